@@ -25,8 +25,9 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether so many patches (planar parts of surfaces) are seen by reflection or transmission in this
-    /// square of the image that tracing rays takes less time than drawing the patches.
+    /// True if tracing rays is faster than drawing the reflected and transmitted patches (planar parts of
+    /// surfaces) of the current piece (square of the image), because there are so many. Empty until it is
+    /// computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -41,13 +42,13 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Cancellation is tested each time this many views have been drawn. A tile can have thousands of views, so
-/// testing once per tile would react too late.
+/// Number of views (images for one lens point each) that are drawn between two tests for cancellation. A tile
+/// can have thousands of views, so one test per tile would be too rare.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views of a part of the image, the program checks whether the records suffice to draw its
-/// reflections and refractions. If rays had to replace most of them so far, rays replace all of them in the
-/// later views. Drawing the few that the records determine would take longer than tracing rays for them.
+/// Number of views after which rays may replace all samples with reflections or refractions. They do so if
+/// the recorded data were insufficient for more than half of these samples so far. Drawing the others from
+/// records would then take longer than tracing rays.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -106,9 +107,8 @@ class Field {
         }
     }
 
-    /// Collects the patches (planar parts of surfaces) that views may show in the part `rect` of a tile,
-    /// unless an earlier call has already done so. `rays` is the ray tracer of the current set of views, or
-    /// null.
+    /// Collects the patches (planar parts of surfaces) that views may show in the rectangle `rect` of a tile,
+    /// unless an earlier call has already done so. `rays` is the ray tracer that the views use, or null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -280,8 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // If rays replace all samples of the tile, the recorded surfaces are drawn only to find out which
-        // highlights they hide.
+        // If highlights reach the tile (`lights`), recorded surfaces may hide them. The surfaces are then
+        // drawn even if rays replace all samples of the tile.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)

@@ -39,8 +39,8 @@ struct PatchView {
     /// Returns whether the lens transmits light to the pixel (x, y) of the image. Pixels without light are
     /// black. If the function is empty, all pixels get light.
     std::function<bool(int x, int y)> passes;
-    // These values are copied to the rays of this view (SightLine), where `number` is called `view`. They are
-    // only used if the set of views traces rays.
+    // Lens point, instant and indices of the rays of this view, as in SightLine (`number` is
+    // SightLine::view). Only used if rays are traced.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -76,17 +76,18 @@ struct PatchViews {
     /// Traces the rays that replace samples whose colour the records do not determine. If null, all samples
     /// keep their recorded colours.
     const SightRays* rays = nullptr;
-    /// Returns which samples rays replace in the square piece of the image that contains the pixel (x, y).
-    /// Only used if `rays` is set. If the function is empty, the answer is LeftToRays::unsure for all pieces.
+    /// Returns which samples are replaced by rays in the square piece of the image that contains the pixel
+    /// (x, y). Only used if `rays` is set. If the function is empty, rays replace only samples whose colour
+    /// the records do not determine (LeftToRays::unsure).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Selects the views whose sample in pixel (x, y) is compared with a ray, and appends their indices to
     /// `views`. The results are stored in PatchPicture::checks and do not change the image. Only used if
     /// `rays` is set. If the function is empty, no samples are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Selects the pixels whose highlights are checked by rays that are aimed at them. Returns the
-    /// probability with which the pixel (x, y) was selected, or 0 if it was not selected. Only used together
-    /// with `checked`. If the function is empty, no pixel is selected.
+    /// Selects pixels for an additional check of their highlights, by rays that are aimed at the highlights.
+    /// Returns the probability with which the pixel (x, y) was selected, or 0 if it was not selected. Only
+    /// used together with `checked`. If the function is empty, no pixel is selected.
     std::function<double(int x, int y)> aimed;
     /// Index of the image that this set of views draws, in the argument `out` of patch_field. Sets that draw
     /// the same image must draw different pieces of it.
@@ -98,9 +99,9 @@ struct PatchField {
     /// Returns the class to which an object belongs. All objects of a class move alike. Only called if
     /// objects move or if `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each class of objects that move alike, the bits that mark its objects in PatchPicture::touched. A
-    /// pixel gets these bits if a view sees such an object there. A class that does not move in any view has
-    /// no bits. If the list is empty, `touched` is not computed.
+    /// Bits that mark moving objects in PatchPicture::touched, for each class of objects that move alike. A
+    /// pixel gets the bits of all objects that views see in it. A class that does not move in any view has no
+    /// bits. If the list is empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// Edge of a piece (square of the image that is drawn as one task), in px. It is SeenTile::edge divided
@@ -110,14 +111,14 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The part of the raster that has records: its first pixel, and one past its last pixel. Must be set if
-    /// a set of views has rays. A surface that continues outside this part may hide what a view sees. If
-    /// there are rays or if something moves, pixels in which this may happen count as unknown. If both values
-    /// are equal, surfaces are assumed to end at the border.
+    /// The part of the raster that has records: its first pixel, and one past its last pixel. A surface that
+    /// continues outside this part may hide what a view sees. With rays or moving objects, pixels in which
+    /// this may happen count as unknown. If both values are equal, this is not tested. Must be set if a set
+    /// of views has rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// The extent of the lens: the largest |x| and |y| of a lens point, in units of LensShift::lens_px.
-    /// Patches that are visible from any point within this extent are collected, not only those that the
-    /// views see. Must be set if `lights` uses TileViews::patches or if there are rays.
+    /// The extent of the lens: the largest |x| and |y| of a lens point, in px m (lens point in m, times film
+    /// distance / pixel pitch). Patches that are visible from any such point are collected, not only those
+    /// that the views see. Must be set if `lights` uses TileViews::patches or if there are rays.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -134,9 +135,9 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// The highlights of an image. A highlight is radiance above a limit that was removed from a reprojected
-/// surface. Its impulse response (the image of a point, seen through the lens) spreads it over the pixels
-/// instead.
+/// The highlights of an image. If the radiance of a reprojected surface exceeds a limit, the excess is
+/// removed from the surface and becomes a highlight. The highlight's impulse response (the image of a point,
+/// seen through the lens) spreads this light over the pixels.
 class Lights {
   public:
     Lights() = default;
@@ -148,8 +149,8 @@ class Lights {
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
     /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels. The first three are the
-    /// light of the highlights: r, g and b. The fourth is a second moment: the squared radiance of the
-    /// highlights in the brightest channel, averaged over rays through the lens.
+    /// light of the highlights: r, g and b. The fourth is the squared radiance of the highlights in the
+    /// brightest channel, averaged over rays through the lens.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A line of sight from a pixel to a highlight. The light of the highlight arrives along this line unless
@@ -170,15 +171,15 @@ class Lights {
 };
 
 /// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
-/// the recorded radiance. It is 0 if the image itself uses the ray instead of the record.
+/// the recorded radiance. If the image already uses the ray instead of the record, the residual is 0.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    /// Light of the highlights in the pixel, scene-linear. `highlights` is the light that the image contains.
-    /// `aimed_sum` is the sum of the light along rays that are traced towards the highlights. Their number is
-    /// `aimed`.
+    /// `highlights` is the light of the highlights in this pixel of the image, scene-linear. To measure its
+    /// error, `aimed` rays are traced towards the highlights. `aimed_sum` is the sum of the light along these
+    /// rays.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;
@@ -196,18 +197,17 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: the share of the views, by weight, in which a reflected or transmitted surface should be
-    /// visible but is not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
+    /// Per pixel: weighted share of the views in which a reflected or transmitted surface should be visible
+    /// but is not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
     std::vector<float> unknown_below;
-    /// Per pixel: the share of the views, by weight, whose samples come from rays. Empty for sets without
-    /// rays.
+    /// Per pixel: weighted share of the views whose samples come from rays. Empty for sets without rays.
     std::vector<float> traced;
-    /// Per pixel, the comparison of rays with the records. Empty for sets without `checked`.
+    /// Per pixel: results of comparing rays with records. Empty for sets without `checked`.
     std::vector<PixelCheck> checks;
-    /// Per pixel, the mean squared radiance of the highlights (the fourth value of Lights::add). Empty if
-    /// there are no highlights.
+    /// Per pixel: mean squared radiance of the highlights (the fourth value of Lights::add). Empty if there
+    /// are no highlights.
     std::vector<float> light_square;
-    /// Per pixel, the bits (PatchField::class_marks) of all moving objects that are recorded there or that a
+    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded there or that a
     /// view sees there. All bits are set if a view sees something that is not recorded. If no bit is set, all
     /// views see the surface that is recorded at this pixel.
     std::vector<std::uint8_t> touched;

@@ -60,8 +60,9 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // The homogeneous point, and its derivatives with respect to x and y. For an orthographic camera, the
-    // point contains the depth z' instead of 1/z'. If 1/z' changes by d, z' changes by -z'^2 d.
+    // `q` is the mapped point in homogeneous coordinates. `q_x` and `q_y` are its derivatives along x and y.
+    // For a perspective camera, the point contains the inverse depth. For an orthographic camera, it contains
+    // the depth z, whose derivative with respect to 1/z is -z^2.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

@@ -38,9 +38,9 @@ class RasterMap {
 
     /// Returns the image of a point, or nothing if the image lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the map around the point `p` of a surface. `slope` is the change of the surface's inverse
-    /// depth per px to the right and per px down. The surface extends from `p` by `reach` px in both
-    /// directions of each axis. Returns nothing if a part of the mapped surface lies behind the camera.
+    /// Linearises the map around the point `p` of a surface, which extends from `p` by `reach` px in both
+    /// directions of each axis. `slope` is the change of the surface's inverse depth per px to the right and
+    /// per px down. Returns nothing if a part of the mapped surface lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -65,7 +65,7 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns the map that first applies `motion` and then the lens's shift of directly visible surfaces.
+/// Returns the map that first applies `motion` and then shifts directly visible surfaces as the lens does.
 /// `motion` must be a perspective map, unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
@@ -74,7 +74,7 @@ struct LensShift {
 /// point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motion of every object on the raster. Initially, these are the motions stored in the file's header.
+/// The motions of all objects on the raster. Initially, these are the motions stored in the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);

@@ -131,13 +131,12 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels that may show a surface that continues outside the recorded raster, at the depth
-        // of `s`. `s` is a pixel at the border, and `along` is the position along the border at which the
-        // view sees it.
+        // Marks the pixels that may show a surface beyond the border. The surface is assumed to have the
+        // depth of `s`, a pixel at the border. `along` is the surface's position along the border.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // One more pixel is marked at both ends, because the surface may continue at an angle to the
-            // border.
+            // One more pixel is marked on both sides of this position, because the surface may continue at an
+            // angle to the border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));
@@ -160,8 +159,7 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
             const Seen s = see(side, static_cast<std::size_t>(i), view, use);
             if (s.any) mark_cell(s, s.along);
         }
-        // Beyond the corners of the raster, surfaces are assumed to continue at the depth of the side's first
-        // or last pixel.
+        // Surfaces beyond a corner of the raster are assumed to have the depth of the pixel at the corner.
         const auto mark_beyond = [&](std::ptrdiff_t corner, std::ptrdiff_t from, std::ptrdiff_t to) {
             const Seen s = see(side, static_cast<std::size_t>(corner), view, use);
             if (!s.any || !(std::abs(s.along) < farthest_px)) return;

@@ -22,8 +22,8 @@ class BorderReach {
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
     /// Returns whether a view may see a surface from beyond the border anywhere in the tile.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Stores, in SeenTile::maybe_inverse_z, the inverse depth of surfaces from beyond the border that the
-    /// view may see.
+    /// Stores the inverse depth of surfaces beyond the border that the view may see, in
+    /// SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -46,14 +46,15 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in px, that any view causes for a pixel at this side of the raster.
-        /// `deepest_px` is the component into the raster, and `sideways_px` is the component along the side.
+        /// Largest displacement, in px, of a pixel at this side of the raster in any view. `deepest_px` is
+        /// the component perpendicular to the side, towards the inside. `sideways_px` is the component along
+        /// the side.
         double deepest_px = 0, sideways_px = 0;
         /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px` of a pixel at this
-        /// side. The true displacement may differ from `moved_px` by up to `around_px`.
+        /// side, with a tolerance of `around_px` along each axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of all pixels at this side
-        /// that show a moving object, in all views of a time span.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of this side's moving pixels
+        /// in all views of a part of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };

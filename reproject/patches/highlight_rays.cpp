@@ -63,8 +63,8 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // The random lines are independent between pixels, sets of views, ranges of views, and rounds of
-        // rays.
+        // The seed depends on the pixel, the first view and the round, so that rays of different pixels,
+        // views and rounds are independent.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
         seed = mix64(seed ^ static_cast<std::uint64_t>(round));

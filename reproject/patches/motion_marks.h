@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Marks of moving objects: the bits of PatchField::class_marks for each recorded instant and each directly
-/// visible sheet (part of a surface within a square of the raster).
+/// Marks the pixels that moving objects may change. Each directly visible sheet (part of a surface) of a
+/// recorded instant has the bits of its object (PatchField::class_marks).
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -27,8 +27,8 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of the directly visible patches with the indices `patches` has one of the bits
-    /// PatchField::wanted_marks.
+    /// Returns whether any of the given patches belongs to an object that has one of the bits
+    /// PatchField::wanted_marks. `patches` contains indices of directly visible patches.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
     /// Marks the pixels in which a moving object was recorded. The object moves away from them, so views show
     /// a different colour there. `mesh` contains the directly visible patches of the instant in the tile.

@@ -1,5 +1,5 @@
-// Bounds how much motion distorts a patch (nearly planar part of a surface). The bounds limit the size of the
-// patch and the error of its depth plane.
+// Computes bounds of how much motion distorts a patch (nearly planar part of a surface). If the distortion is
+// too large, the patch is divided.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,16 @@
 
 namespace postlens {
 
-/// Implements PatchLens::motion: computes upper bounds of the distortion of a part of a surface by the
-/// motions in all views.
+/// Computes upper bounds of how much the motions in all views distort a part of a surface
+/// (PatchLens::motion).
 struct StrainOfMotions {
-    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions).
-    /// `strain_views` views are sufficient if they are spread uniformly over the exposure.
+    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions). Not
+    /// all views of an image are needed: `strain_views` views suffice if they are spread uniformly over the
+    /// exposure.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 
-    /// Returns the maximum over the views, or 0 if the object does not move.
+    /// Returns the largest distortion in any of the views, or 0 if the object does not move.
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };

@@ -42,8 +42,8 @@ struct Run {
     }
 };
 
-/// Some neighbouring samples of a row. Each has the index of its cell, its position in the cell, and its
-/// inverse depth.
+/// Several consecutive samples of a row, for SIMD. Each has the index of its cell, its position in the cell,
+/// and its inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -102,8 +102,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples in which the object `id` reflects or transmits a surface that must be
-/// drawn (WantedPixels::in).
+/// Returns a bit mask of the samples whose element of `in` is `id`. In these samples, the object `id`
+/// reflects or transmits the patch, so the patch may be drawn there.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -267,7 +267,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, because draw_patch_in also tests samples to the left of the wanted pixels.
+        // Clears the whole row, because draw_patch_in also tests samples to the left of `part`.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -296,7 +296,7 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Every row is drawn from the tile's left border, although pixels are only wanted from part.x_begin on.
+    // Pixels to the left of `wanted.part` are not needed, but every row is drawn from the tile's left border.
     // If rows began elsewhere, rounding would change the positions of samples slightly.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});

@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` for surfaces seen by reflection or transmission. It is set if the image of the surface
-    /// does not move linearly with the lens point (Patch::bent), so that its reprojection is inaccurate.
+    /// Bit of `texel` that marks an inaccurate reprojection: a reflected or refracted image that does not
+    /// move linearly with the lens point (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may cover the pixel. The records do not tell whether it
-    /// does, because the edge of the surface is near (SheetNode::maybe). Surfaces behind already drawn ones
+    /// Inverse depth of the nearest surface whose edge is so near that the records do not determine whether
+    /// the surface covers the pixel (SheetNode::maybe). Surfaces behind those that have already been drawn
     /// are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
@@ -106,16 +106,16 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a reflected or transmitted surface must be drawn, and the object that reflects or
-/// transmits it in each of them.
+/// The pixels in which a surface that is seen by reflection or transmission must be drawn. For each pixel,
+/// they state which object reflects or transmits the surface there.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether some pixels need a surface whose parent (the surface that reflects or transmits it) is missing
-    /// there. For such a pixel, `in` contains in_gap(id), where id is the object of the nearest ancestor that
-    /// the view sees.
+    /// Whether the parent of the surface (the surface that reflects or transmits it) is missing in some
+    /// pixels. For such a pixel, `in` contains in_gap(id), where id is the object of the nearest ancestor
+    /// that the view sees there.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -137,11 +137,11 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen by reflection or transmission, with a depth test. It is drawn only in pixels
-/// that show the object that reflects or transmits it. The patch may be mirror-inverted.
+/// that show the object that reflects or transmits it. The patch may be mirror-inverted. It is not drawn if
+/// the view stretches a raster px to more than `largest_torn_px`.
 ///
-/// The patch is not drawn if the view stretches a raster px to more than `largest_torn_px`. If the
-/// reprojection of the patch is inaccurate (Patch::bent), it is not drawn in pixels where its parent surface
-/// is missing (WantedPixels::any_gaps). `out` must come from find_wanted.
+/// If WantedPixels::any_gaps is set, the reflecting or transmitting surface is missing in some pixels. A
+/// patch with an inaccurate reprojection (Patch::bent) is not drawn there. `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

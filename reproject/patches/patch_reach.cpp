@@ -9,8 +9,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
     // The entries of the 2x2 matrix W, which describes how the patch's image moves with the lens point. Each
-    // entry is a linear function of the position on the patch. For a directly visible patch at depth z', W is
-    // the unit matrix times 1/z'.
+    // entry is a linear function of the position on the patch. If W is not stored (`has_w`), the patch is
+    // seen directly, and W is the unit matrix times 1/z'.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
@@ -29,7 +29,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // Returns a margin, in px, for the overlap of neighbouring patches and for the rounding error of floats.
+    // Returns the margin, in px, that bounds need for the overlap of neighbouring patches and for rounding
+    // errors.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

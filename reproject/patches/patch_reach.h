@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Bounds of the position of a static patch in any view. The patch's centre is an affine function of the lens
-/// point. The bounds extend from the centre by half of the patch's largest size in any view.
+/// Bounds of the position of a static patch in any view. The patch's centre moves linearly with the lens
+/// point. The bounds around the centre have the patch's largest width and height in any view.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -21,8 +21,9 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the bounding rectangle of the patch in one view. `lens` is LensShift::lens_px. `shift` is the
-    /// shift, in px, of a surface at infinity (W = 0).
+    /// Returns the bounding rectangle of the patch in one view. `lens` is the lens point (LensShift::lens_px,
+    /// in px m). `shift` is the shift, in px, of surfaces at infinity. The entries xx, xy, yx and yy of the
+    /// matrix W describe how the patch's image moves with the lens point.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -30,8 +31,8 @@ struct PatchReach {
     }
 };
 
-/// Computes the bounds of a patch. `farthest_px` is the largest |x| and |y| of LensShift::lens_px over all
-/// views. `shift_px` is the largest shift, in px, of a surface at infinity.
+/// Computes the bounds of a patch in all views. `farthest_px` is the largest |x| and |y| of their lens points
+/// (LensShift::lens_px). `shift_px` is the largest shift, in px, of surfaces at infinity.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

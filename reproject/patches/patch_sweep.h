@@ -15,19 +15,17 @@ namespace postlens {
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Computes bounding rectangles of patches (planar parts of surfaces). The rectangle of a patch contains the
-/// patch in all views of a field and for all lens points within `lens_reach_px`.
+/// patch in all views of a PatchField and from all lens points within `lens_reach_px`.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`. Uses `field.motion_class`, `field.lens_reach_px`, and the views of the
-    /// field's sets.
+    /// Keeps a reference to `field`. Only its members `motion_class`, `lens_reach_px` and `sets` are used.
     explicit PatchSweep(const PatchField& field);
     /// Returns the bounding rectangle of a patch, in raster px. It is empty if no view uses the instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Bounding box of the lens's shifts (LensShift) in all views. The position of a static patch is an
-    /// affine function of the shift. Its positions at the corners of this box therefore bound all its
-    /// positions.
+    /// Range of the shifts by the lens (LensShift) in all views. The position of a static patch is an affine
+    /// function of the shift, so its positions at the corners of this box bound all its positions.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves
@@ -38,7 +36,7 @@ class PatchSweep {
     /// Calls `add` with the box's corners.
     template <typename Add>
     static void for_corners(const Box& box, const Add& add);
-    /// Extends `out` by the positions of a moving patch in all views of a time span.
+    /// Extends `out` by the positions of a moving patch in all views of a part of the exposure.
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
                          const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;

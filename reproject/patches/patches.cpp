@@ -13,15 +13,16 @@ namespace {
 /// Largest error of a cell's reprojected position for a lens point on the rim of the lens, as a fraction of
 /// the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// Largest value of Patch::back_per_m, as a fraction of the patch's inverse depth. Depth tests move a surface
-/// that lies closely behind another one back by this amount, so that it does not show through.
+/// A surface that lies closely behind another one must not show through it. Depth tests therefore reduce its
+/// inverse depth by Patch::back_per_m, but at most by this fraction.
 constexpr double most_back = 0.02;
 /// If the smaller semi-axis of the circle of confusion is at least this many px, each pixel of a surface is
 /// drawn in a single colour (SheetMesh::coarse). Such a blur hides finer detail.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to the cells of a patch by least squares. The planes have their origin at the patch's corner.
-/// Each cell contributes the values of its plane at four points, at (+-1/4, +-1/4) from its centre.
+/// Fits planes to the cells of a patch by least squares. Each cell has a plane of its own. The fit uses this
+/// plane at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted planes is the
+/// patch's corner.
 template <std::size_t values>
 class Fit {
   public:
@@ -51,8 +52,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted planes and the planes of the pixel (x, y), at four
-    /// points that are a quarter px from the pixel's centre along both axes.
+    /// Returns the largest difference between the fitted planes and the pixel's own planes, `planes`. It is
+    /// measured at the four points of the pixel that the fit uses.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -159,8 +160,7 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // A reflected or transmitted surface moves with the object that reflects or transmits it. Its own
-        // depth therefore does not affect its position.
+        // Bounds of motion are only computed for directly visible surfaces (values == 1).
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -278,7 +278,6 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.inverse_z = {static_cast<double>(p[0].value), static_cast<double>(p[0].x),
                          static_cast<double>(p[0].y)};
     } else {
-        // The motion is linearised around the patch's centre, at the depth of the patch's plane there.
         const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(p[0].x, p[0].y);
         const RasterPoint middle{corner.x + half.x, corner.y + half.y,
                                  static_cast<double>(p[0].value) + glm::dot(slope, half)};

@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds of the distortion of a part of a surface that several motions cause.
+/// Upper bounds of the distortion of a part of a surface by several motions.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -28,32 +28,31 @@ struct PatchLens {
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
     /// A reflected or transmitted surface is drawn as part of the surface that shows it if their images move
-    /// almost alike: for lens points on the rim of the lens, the displacements of the two differ by at most
-    /// this many px. If the value is negative, all such surfaces are drawn separately. If it is all_follow,
-    /// none is.
+    /// almost alike. Their displacements may differ by at most this many px for any lens point. If the value
+    /// is negative, all such surfaces are drawn separately. If it is all_follow, none is.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest error of a cell's position in a view, in px. It may be larger for blurred cells.
+    /// Largest error of a cell's position in a view, in px. A larger error is accepted for blurred cells.
     double exact_px = 0.1;
-    /// Distance, px, by which a patch is drawn beyond its sides. The overlap prevents cracks between
-    /// neighbouring patches with different planes.
+    /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. `middle`,
-    /// `slope` and `reach` are the arguments of RasterMap::tangent. If the function is empty, nothing moves.
+    /// Returns upper bounds of how much the motions in all views distort a part of a surface. `middle`,
+    /// `slope` and `reach` describe this part, as in RasterMap::tangent. If the function is empty, nothing
+    /// moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
     /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. `w` is the
-    /// node's matrix W, which describes how the node's image moves with the lens point. If it is not
+    /// node's matrix W, which describes how the node's image moves with the lens point. If W is not
     /// isotropic, the circle is an ellipse.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest accepted error, in px, of reprojections that assume linear motion with the lens point. Patches
-/// with a larger error are marked (Patch::bent), and their samples count as unsure, that is, not determined
-/// by the records.
+/// Largest accepted error, in px, of the assumption that a reflected or refracted image moves linearly with
+/// the lens point. Patches with a larger error are marked (Patch::bent), and the records count as
+/// insufficient for their samples.
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a sheet: the pixels [x, x + width) x [y, y + height) of the sheet. A sheet is one surface within
@@ -80,11 +79,10 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, `sheets->values` planes (linear functions of the position), whose origin is the
-    /// patch's corner. The first plane is 1/z'. If the matrix W is stored, planes of its entries xx, xy, yx
-    /// and yy follow.
+    /// For each patch, `sheets->values` planes (linear functions whose origin is the patch's corner). The
+    /// first one is 1/z'. If the matrix W is stored, its entries xx, xy, yx and yy follow.
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface), the bits (child_bit) of the reflections and refractions that are
+    /// For each sheet (part of a surface), the bits (child_bit) of those reflections and refractions that are
     /// drawn as part of the sheet. All others are drawn separately (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
@@ -150,25 +148,25 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d`, in units
-    /// of LensShift::lens_px.
+    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d` (in px m,
+    /// as LensShift::lens_px).
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to the pixels whose rays from the scene point pass through the patch. If the
-/// patch is nearer than the scene point, it hides the point from all these pixels. The map is linearised at
-/// the patch's centre. Returns false if the map is singular.
+/// Finds the area of the raster whose rays from the scene point pass through a directly visible patch, as a
+/// map from the patch to the raster. If the patch is nearer than the scene point, it hides the point from the
+/// pixels of this area. The map is linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Divides a patch and appends the maps of those parts whose inverse depth exceeds `nearest_per_m`.
-/// `light_per_m` is 1/z' of the scene point, and must not exceed `nearest_per_m`. The map is singular at the
-/// depth of the scene point, so parts near that depth are smaller. In every part of more than one pixel, 1/z'
-/// - `light_per_m` varies by at most a factor of two.
+/// Divides a patch, and appends those parts that are nearer than 1 / `nearest_per_m`, with their maps. Such
+/// parts may hide the scene point, whose inverse depth is `light_per_m` (at most `nearest_per_m`). The map is
+/// singular at the depth of the scene point, so parts near it are smaller: in a part of more than one pixel,
+/// 1/z' - `light_per_m` varies by at most a factor of two.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

@@ -20,8 +20,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours that a view sees in the first `width` x `height` pixels of the tile. A texel is the
-/// recorded colour of one quadtree leaf. `with_children` receives the pixels whose surface reflects or
+/// Adds the colours that a view sees in the first `width` x `height` pixels of a tile to `sums`. A texel is
+/// the recorded colour of one quadtree leaf. `with_children` receives the pixels whose surface reflects or
 /// transmits other recorded surfaces.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);

@@ -60,8 +60,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving object is also assigned to the tiles in which it was recorded, so that mark_recorded
-            // can mark its pixels.
+            // The pixels in which a moving object was recorded are marked later (mark_recorded). The object's
+            // patches are therefore also assigned to the tiles of these pixels.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));
@@ -72,7 +72,6 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         return static_cast<int>(
             std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
     };
-    // Returns the pixel of a tile that contains `px`, or the tile's first or last pixel if `px` is outside.
     const auto pixel_of = [](double px, int first, int tile) {
         return static_cast<std::uint8_t>(
             std::clamp(std::floor(px - first - tile * SeenTile::edge), 0.0, SeenTile::edge - 1.0));

@@ -50,19 +50,19 @@ class PatchBins {
         return primary_[instant][tile].patches;
     }
     /// Copies the directly visible patches of a tile that may appear in the given rectangle. Clears the lists
-    /// of reflected and transmitted patches (chains) in `out`.
+    /// of reflected and transmitted patches in `out`.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
     /// Returns whether more than `most` reflected and transmitted patches of any one instant may appear in a
     /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Must be called
-    /// after `gather`. Chains and paths are copied even if they have no patches in the rectangle. A view that
-    /// needs a surface with such a path then knows that the surface is not recorded.
+    /// after `gather`. Paths (sequences of reflections and transmissions) without patches in the rectangle
+    /// are listed, too. A view that needs a surface with such a path then knows that it is not recorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches that may appear in a tile in some view, each with the pixels of the tile in which it may
-    /// appear.
+    /// The patches that may appear in a tile in some view. For each patch, `pixels` states in which part of
+    /// the tile it may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -75,9 +75,9 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// Returns, for each tile, the patches that reach it in some view. They are sorted by path (sequence of
-    /// reflections and transmissions), so that a reflecting surface precedes its reflections. Patches with
-    /// equal paths are sorted from near to far, so that hidden pixels fail the depth test early.
+    /// Returns, for each tile, the patches that may appear in it in some view. They are sorted by path
+    /// (sequence of reflections and transmissions), so that a reflecting surface precedes its reflections.
+    /// Patches with equal paths are sorted from near to far, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     /// Removes all patches from `out`.

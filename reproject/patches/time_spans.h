@@ -8,10 +8,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within a time span of 1/64 of the exposure. They are the same view if the
-/// span contains only one. In the other views of the span, a moving surface lies near the line between its
-/// positions in these two views. Even on a curved path, its distance from this line is less than the distance
-/// between the two positions.
+/// The earliest and the latest view within 1/64 of the exposure. They are the same view if there is only one.
+/// Between these two views, a moving surface may move on a curve. Its distance from the straight line between
+/// its two positions is assumed to be less than the distance between these positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -20,9 +19,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Returns the time spans of all views that use the records of `instant` and have motions. Views of sets
-/// without rays do not store their instant, so each of these views gets a span of its own. The result points
-/// into `field`.
+/// Returns the time spans of all views that have motions and use the records of `instant`. Without rays,
+/// views do not store their instant, so each view gets a span of its own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@ namespace postlens {
 namespace {
 
 /// If a view needs a reflected or transmitted surface that was not recorded, the mean radiance of the other
-/// views is used instead. The mean counts as reliable if at least this fraction of the views that need the
-/// surface see it. Otherwise the radiance seen from the pinhole is blended in.
+/// views replaces it. If fewer than this fraction of the views that need the surface see it, the radiance
+/// seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,9 +84,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A node is a surface seen by reflection or transmission, and stores the id of the object that
-        // reflects or transmits it. In a pixel where this parent is missing, the node is drawn only if the
-        // nearest ancestor that the view sees lies on that object.
+        // In some pixels, the surface that reflects or transmits the drawn one (its parent) is missing. The
+        // surface is drawn there only if its nearest visible ancestor lies on the same object as the parent.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -209,7 +208,7 @@ void TreeSums::end_views() {
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
         // Views need a surface with this path (sequence of reflections and transmissions), but none of them
-        // sees one. The radiance therefore has no upper bound.
+        // sees one. Its radiance is unknown and may be arbitrarily large.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -221,8 +220,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // A view in which even the parent node is missing cannot tell whether it needs this node. `inflated`
-        // scales the sum, so that the mean of the other views also stands for such views.
+        // If a view misses the parent surface, it is unknown whether the view needs this one. `inflated`
+        // scales the sum, so that the mean of the other views also represents such views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -24,16 +24,17 @@ namespace postlens {
 class TreeSums {
   public:
     /// `paths` contains all paths (sequences of reflections and transmissions) that may occur, in any order
-    /// and possibly repeated. `at` describes the pixels in use.
+    /// and possibly repeated. `at` states which pixels of the tile are used.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
     /// Starts a view, or one of the two recorded instants of a view. `primary` contains the directly visible
     /// surfaces of the view, and must stay valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares the drawing of all surfaces with the path `path`. Returns the cleared tile into which they
-    /// are to be drawn. Returns null if no pixel needs them, or if `path` was not passed to `begin`. `wanted`
-    /// receives the pixels that need them. The surfaces of the parent path must be drawn first.
+    /// Prepares the drawing of all surfaces with the path `path`, and stores the pixels that need them in
+    /// `wanted`. Returns the cleared tile into which the surfaces must be drawn. Returns null if no pixel
+    /// needs them, or if `path` was not passed to `begin`. The surfaces of the parent path must be drawn
+    /// first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether the records determine the reflected and transmitted light of pixel k. Every surface
     /// that is drawn separately there must meet four conditions: the view sees it, no surface with an
@@ -47,15 +48,16 @@ class TreeSums {
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the reflected and transmitted radiance of all views to `sum`, which contains the radiance of
-    /// pixel k times `weight`. Returns the weight of views in which such surfaces are not recorded. Surfaces
-    /// that are dim in the whole tile count less. Surfaces with an inaccurate reprojection (Patch::bent) also
-    /// count as not recorded if some views miss their parent.
+    /// Adds the radiance that all views see by reflection and transmission in pixel k to `sum`, which
+    /// contains the pixel's radiance times `weight`. Returns the weight of views in which such surfaces are
+    /// not recorded. Surfaces that are dim in the whole tile count less. Surfaces with an inaccurate
+    /// reprojection (Patch::bent) also count as not recorded if some views miss the surface that reflects or
+    /// transmits them.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Sum of weight times radiance, including child nodes that are drawn as part of the node.
+        /// Radiance of the node times the views' weights, including child nodes that are drawn as part of it.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
@@ -78,8 +80,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a surface of this path in the tile. After end_views, it also includes the
-        /// radiance of the surfaces that this surface reflects and transmits.
+        /// Largest radiance of a surface of this path in the tile. end_views adds the largest radiance of
+        /// what this surface reflects and transmits.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -89,15 +91,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If the surface of `chain` is missing in pixel k, adds those surfaces that it reflects or transmits and
-    /// that are recorded. Returns whether there are any.
+    /// Called if the surface of `chain` is missing in pixel k. Adds the recorded surfaces that it would
+    /// reflect or transmit there. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that would reflect or transmit the surface of `chain` in pixel k. It is
-    /// the object of the surface's nearest ancestor that the view sees.
+    /// Returns the id of the object that would reflect or transmit the surface of `chain` in pixel k: the
+    /// object of the nearest ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k in `chain`, which contains the surfaces with one path. All sums of a chain
-    /// are cleared when it is first used in a tile.
+    /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. When a chain is first
+    /// used in a tile, all its sums are cleared.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// The surfaces that a view shows in the pixels of a tile. A view is made from one or two recorded instants,
-/// which are called its uses. Each use is reprojected to the view and has its own SeenTile.
+/// The surfaces that a view shows in a tile. A view is made from one or two recorded instants, its uses. Each
+/// use is reprojected to the view and has its own SeenTile.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -45,9 +45,8 @@ struct ShownView {
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
     /// Returns whether use `u` (a recorded instant of the view) shows the outline of a surface in pixel `k`
-    /// less precisely than the other use. There are two conditions: the view magnifies the quadtree leaf with
-    /// the outline to more than a pixel, and the other use has recorded this part of the object at a larger
-    /// size.
+    /// less precisely than the other use. This is so if the view magnifies the quadtree leaf with the outline
+    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
@@ -72,17 +71,17 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts the samples whose reflected and transmitted light set_aside_trees has tested.
-    /// `with_sure_trees` counts those of them whose light the records determine.
+    /// `with_trees` counts the samples that set_aside_trees has tested. `with_sure_trees` counts those whose
+    /// reflected and transmitted light the records determine.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// For each pixel, a bit mask of the view's uses (recorded instants) whose samples rays replace.
+    /// For each pixel, a bit mask. Bit u is set if rays replace the sample of recorded instant u of the view.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Replaces a view's samples by rays where the records do not determine the directly visible surface. If
-    /// `parents_too` is set or if something moves, rays also replace all samples of surfaces that reflect or
-    /// transmit. A moving mirror and its reflections move differently. Where the lens transmits no light, no
-    /// ray is traced, and only the sample's weight is added to `recorded`.
+    /// something moves, rays also replace all samples of surfaces that reflect or transmit, because a mirror
+    /// and its reflections move differently. The same happens if `parents_too` is set. Where the lens
+    /// transmits no light, no ray is traced, and only the sample's weight is added to `recorded`.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
     /// light. `u` is the index of the use (recorded instant of the view) that is tested.
@@ -114,8 +113,8 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded radiance of those samples of a view that are to be checked, unless rays replace
-    /// them. Must be called for each use `u` (recorded instant) of the view in turn. `number` is the index of
+    /// Stores the recorded radiance of the view's samples that are to be checked, except those that rays
+    /// replace. Must be called for each recorded instant `u` of the view in turn. `number` is the index of
     /// the view in its set. `trees` is null if no reflections or refractions are drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
@@ -128,10 +127,9 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Recorded radiance of the checked samples. `noted_` has one element per checked pixel of the current
-    /// view, and `recorded_` has one per ray. The component w is the share of the sample that comes from
-    /// records. The other components are the recorded radiance times this share. The rest of the sample comes
-    /// from a ray.
+    /// Recorded radiance of the checked samples: `noted_` for the pixels of the current view, `recorded_` for
+    /// each ray. The component w is the share of the sample that comes from records, and the radiance is
+    /// multiplied by it. The rest of the sample comes from a ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -28,12 +28,12 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of elements of node[] in use. If it is 4, they are the leaf's corners. If it is 1, node[0] lies
-    /// at (at_x, at_y) px in the cell.
+    /// Number of elements of node[] in use, 4 or 1. If it is 4, they lie at the leaf's corners. If it is 1,
+    /// node[0] lies at (at_x, at_y) px from the cell's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// Whether it is uncertain that this quarter of the leaf shows the surface of node[0] (SheetNode::maybe).
+    /// Whether it is uncertain that this quarter of the leaf shows the surface (SheetNode::maybe).
     bool maybe = false;
 };
 
@@ -48,7 +48,7 @@ class LeafPieces {
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
     /// Calls take(key, pieces) for each surface of the square, in ascending order of keys. The pieces of a
-    /// surface have the same order as their quadtree leaves. Must be called once after each `collect`.
+    /// surface are in the order of their quadtree leaves. Must be called once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -59,15 +59,15 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Returns whether one surface may have depths from `low` to `high`, in 1/m, within a square of `size`
-    /// px.
+    /// Returns whether depths from `low` to `high`, in 1/m, may belong to one surface within a square of
+    /// `size` px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// A corner of a quadtree leaf may see one surface (SheetKey) several times, at different depths. Group n
-    /// of a surface contains the n-th nearest node of each corner.
+    /// A corner of a quadtree leaf may see the same surface (SheetKey) several times, at different depths.
+    /// Group n of a surface contains the n-th nearest hit of each corner.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -96,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// `key_pieces_` contains the number of pieces of each surface or, after sorting, the end of its pieces
-    /// in sorted_. `key_group_` contains the first Group of each surface at the current quadtree leaf.
-    /// Between uses, all values are 0 in `key_pieces_` and `none` in `key_group_`.
+    /// For each surface, `key_pieces_` contains the number of its pieces or, after sorting, their end in
+    /// sorted_. `key_group_` contains its first Group at the current quadtree leaf. After use, the values are
+    /// reset to 0 and to `none`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -47,10 +47,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Groups records into runs that have the same sample and layer. Calls take(visible, first, last) for each
-/// run, in ascending order of layers, and done() after each sample. `visible` is the sample's first record of
-/// layer 0 (surfaces that the pinhole sees). Records without a record of layer 0 at the same position are
-/// skipped.
+/// Groups records by sample and layer. Calls take(visible, first, last) for each group, in ascending order of
+/// layers, and done() after each sample. `visible` is the sample's first record of layer 0 (surfaces that the
+/// pinhole sees). Records at positions without a record of layer 0 are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -143,9 +142,9 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and the marks of each node to those of all its ancestors (TreeSurface::below and
-/// marks_below). Sets TreeSurface::strays of each ancestor to the largest difference between its own matrix W
-/// and that of a descendant, or to infinity if a descendant is brighter than `bright_above`.
+/// Adds the radiance and the marks (flags) of each node to all its ancestors (TreeSurface::below and
+/// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W and
+/// that of a descendant. It becomes infinite if a descendant is brighter than `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -218,7 +217,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // Finds the end of the shading tree of layer 0, where the next position or layer begins.
+                    // Finds the end of the shading tree of layer 0: the first record of another position or
+                    // layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

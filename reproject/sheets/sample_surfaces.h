@@ -1,5 +1,5 @@
-// Converts records to surfaces, in one of two ways. Either each point sample has one surface per layer, with
-// the radiance of its whole shading tree, or each node of the shading tree is a surface.
+// Converts records to surfaces, in one of two ways: one surface per layer of a point sample, with the
+// radiance of its whole shading tree, or one surface per node of the shading tree.
 #pragma once
 
 #include <array>
@@ -34,17 +34,16 @@ struct TreeSurface {
     std::array<std::uint8_t, 2> marks_below{};
     /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, how differently the images of its subtree and of this node move with the
-    /// lens point. This is the largest spectral norm of the difference between two matrices W, in 1/m: that
-    /// of this node and that of a node of the subtree. It is infinite if a node of the subtree is brighter
-    /// than `bright_above`, the argument of find_trees.
+    /// For each of the two children, the largest difference between the matrix W of this node and that of a
+    /// node in the child's subtree, as a spectral norm in 1/m. W describes how a node's image moves with the
+    /// lens point. Infinite if a node of the subtree is brighter than `bright_above` (find_trees).
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface. They can if a plane through both is inclined to the
+/// Returns whether two samples can lie on one surface. They can if the line through both is inclined to the
 /// film by at most 88.6 degrees. A sphere with a radius of 1600 px reaches this angle half a pixel inside its
 /// outline. `across` is the distance of the samples on the film: a tangent for a perspective camera, and in m
 /// for an orthographic one.
@@ -60,9 +59,9 @@ struct SampleSurfaces {
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces that the samples `points` show, one in each layer. Layer 0 is visible from the pinhole,
-/// and layer n is the n-th surface behind it. A layer is skipped if the surface that the eye ray itself hits
-/// is not recorded. `points` were read from the rows of `band` from y_begin on.
+/// Finds the surfaces that point samples show, one in each layer. Layer 0 is visible from the pinhole, and
+/// layer n is the n-th surface behind it. A layer is skipped if the surface that the eye ray itself hits is
+/// not recorded. `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Contrast above which a quadtree leaf is assumed to contain an edge. It is used for files that do not state
-/// a threshold, because `trace` did not divide their pixels.
+/// Contrast above which a quadtree leaf is assumed to contain an edge, for files that state no threshold.
+/// `trace` has not divided the pixels of such files.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -76,9 +76,9 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether the part already has a piece that overlaps `p`. Pieces that only may show the surface
-    // are ignored. Overlapping pieces always belong to two surfaces, even if their depths hardly differ. The
-    // pieces of a leaf are consecutive in `part.pieces`.
+    // Returns whether a piece of this part overlaps `p`. Pieces that may not show the surface (`maybe`) are
+    // ignored. Overlapping pieces belong to two surfaces, even if their depths hardly differ. The pieces of a
+    // leaf are consecutive in `part.pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -262,8 +262,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // A piece that is known to show the surface takes precedence over a piece that only may show it
-        // (LeafPiece::maybe).
+        // Pieces that certainly show the surface are preferred to those that may not show it (`maybe`).
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }

@@ -30,11 +30,12 @@ class SheetBuilder {
     /// Returns whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or
     /// texture must cross the leaf.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the marks that the records at all corners share (RecordMark). A mark may say, for example,
-    /// that the texture is finer than the samples.
+    /// Returns the marks (flags, RecordMark) that the records at all four corners have. A mark may say, for
+    /// example, that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the reflected or transmitted light differs strongly between the leaf's corners, or
-    /// whether the records of this light have a mark (RecordMark) at all corners.
+    /// Returns whether the light that the surface reflects or transmits is uncertain within the leaf. It is
+    /// if it differs strongly between the leaf's corners, or if its records have the same mark (RecordMark)
+    /// at all corners.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -44,8 +45,8 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights with indices from `first_light` on to the texel (colour of a leaf) that was
-    /// added last. `area` is the area of this texel in px^2.
+    /// Records that the highlights from index `first_light` on come from the texel (colour of a quadtree
+    /// leaf) that was added last. `area` is the texel's area in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

@@ -8,9 +8,8 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as closely behind another one if their 1/z' differ by at most this fraction. Surfaces
-/// that are farther apart are drawn in the right order, because the depth errors of the fitted planes are
-/// smaller than their distance.
+/// A surface counts as closely behind another one if their 1/z' differ by at most this fraction. At larger
+/// distances, the errors of the fitted depth planes are too small to change the order of the surfaces.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

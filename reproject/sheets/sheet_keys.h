@@ -15,9 +15,9 @@ struct SheetKeys {
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// Finds the surface to which each node of `trees` belongs. The key of a surface consists of the id of its
-/// object, the path from the eye to it, the id of the object that reflects or transmits it, and whether it
-/// lies closely behind another surface.
+/// Finds the surface to which each node (hit) of `trees` belongs. Four facts identify a surface: its object,
+/// the path from the eye to it, the object that reflects or transmits it, and whether it lies closely behind
+/// another surface.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

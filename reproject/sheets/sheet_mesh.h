@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Identifies a surface. Nodes belong to the same surface if they lie on the same object, have the same path
-/// (sequence of reflections and transmissions), are reflected or transmitted by the same object, and have the
-/// same value of `hidden`.
+/// Identifies a surface. Nodes belong to one surface if four facts agree: their object, their path (sequence
+/// of reflections and transmissions), the object that reflects or transmits them, and whether they lie
+/// closely behind another surface.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -40,15 +40,16 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs the sheet's index and flags into `info`. `unsure` is unsure_bit, unsure_below_bit, both, or 0.
+    /// Packs the index of a sheet, the bits of its children (child_bit) and two flags into one word. `unsure`
+    /// is unsure_bit, unsure_below_bit, both, or 0.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
     }
     static constexpr std::uint32_t sheet_shift = 4, children_bits = 3, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
-    /// Returns the bits (child_bit) that state whether the surface has a recorded reflection and a recorded
-    /// refraction.
+    /// Returns two bits (child_bit): whether a reflection and whether a refraction of the surface is
+    /// recorded.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
     /// Returns whether an edge may cross the quadtree leaf, so that the colours at the leaf's corners do not
     /// determine its colour. The edge may be the outline of the surface, a gap in the surface, or the edge of
@@ -62,8 +63,8 @@ struct Texel {
 
 /// A node of a sheet's quadtree is `none`, `maybe`, a leaf, or the index of its first child. A leaf is the
 /// index of its texel (colour) with the bit `leaf` set. The four children have consecutive indices: up-left,
-/// up-right, down-left, down-right. `maybe` is a quarter of a leaf that may or may not show the surface: the
-/// surface's edge crosses the leaf, and the leaf's corner in this quarter shows a farther surface.
+/// up-right, down-left, down-right. `maybe` is a quarter of a leaf that the surface's edge crosses. The
+/// leaf's corner in this quarter shows a farther surface, so the quarter may or may not show this one.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -80,7 +81,7 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Whether nearer surfaces hide a part of a surface within a quadtree leaf, and whether this part is
+/// Whether nearer surfaces hide part of a surface within a quadtree leaf, and whether the hidden part is
 /// recorded.
 enum class Hides : std::uint8_t {
     nothing,
@@ -102,8 +103,8 @@ struct Highlight {
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
 
-    /// Returns whether the radiance of the highlight is at least `radiance` in any channel. Only the radiance
-    /// above the limit for highlights counts.
+    /// Returns whether the radiance of the highlight is at least `radiance` in any channel. `rgb` is the
+    /// radiance above the limit for highlights, times `area`.
     [[nodiscard]] bool exceeds(float radiance) const {
         return std::max({rgb[0], rgb[1], rgb[2]}) >= radiance * area;
     }
@@ -123,22 +124,22 @@ struct SheetMesh {
     double time_s = 0;
     std::vector<Sheet> sheets;
     /// For each cell (raster pixel of a sheet), the root of its quadtree. `fine` has full detail. `coarse` is
-    /// for surfaces that are blurred over several pixels: in it, a cell that the sheet fills is a single
-    /// undivided leaf.
+    /// for surfaces that are blurred over several pixels: there, a cell that the sheet covers completely is a
+    /// single leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each cell, `values` linear functions in 1/m, whose origin is the cell's centre. The first function
-    /// is 1/z'. For surfaces seen by reflection or transmission, functions for the entries xx, xy, yx and yy
-    /// of the matrix W follow.
+    /// For each cell, `values` linear functions of the raster position, in 1/m, whose origin is the cell's
+    /// centre. The first function is 1/z'. For surfaces seen by reflection or transmission, the entries xx,
+    /// xy, yx and yy of the matrix W follow. W describes how the surface's image moves with the lens point.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each texel, the radiance of its reflected subtree and of its transmitted subtree
-    /// (TreeSurface::below). Empty if no texel has child nodes.
+    /// For each texel (colour of a quadtree leaf), the radiance of its reflected and of its transmitted
+    /// subtree (TreeSurface::below). Empty if no texel has child nodes.
     std::vector<std::array<std::array<float, 3>, 2>> below;
     /// `bright` contains all radiance above the limit for highlights. `bright_texels` lists the texels of
-    /// `fine` and `coarse` to which this radiance belongs.
+    /// `fine` and `coarse` that have such radiance.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that have been taken out of the texels
@@ -167,37 +168,37 @@ struct HighlightRule {
     /// If the function is empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns, for each sheet of the mesh, the total area of its elements of `bright`, and whether nearer
-/// surfaces hide parts of them.
+/// Returns, for each sheet of the mesh, the area whose radiance exceeds the limit for highlights, and whether
+/// nearer surfaces hide parts of this area.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects which sheets (parts of surfaces) of an instant are built. The selection changes the indices of the
-/// sheets, but not their contents.
+/// Selects the sheets (parts of surfaces) of an instant that are needed. Others are not built. The selection
+/// changes the indices of the sheets, but not their contents.
 struct SheetChoice {
     /// Returns whether to read the row of raster squares (SheetMesh::square_px high) that begins at raster
     /// row y. If the function is empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes the sheets that are not needed from `some`, which contains the sheets of a part of a row of
-    /// raster squares. The row begins at raster row y, and is divided into parts of `squares_per_part`
-    /// squares. `part` is the number of the part, counted from the left. Several threads call the function,
-    /// before highlights are taken out. If it is empty, all sheets are needed.
+    /// Removes the sheets that are not needed from `some`. These sheets lie in one part of the row of raster
+    /// squares that begins at raster row y. A part has `squares_per_part` squares, and `part` is its number,
+    /// counted from the left. Several threads call the function, before highlights are taken out. If it is
+    /// empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that `rows` excludes from reading. Appends those sheets of the row that
-    /// are needed nevertheless to `parts`, from left to right. The row begins at raster row y.
+    /// Called for each row of squares that is not read (see `rows`). Appends those sheets of the row that are
+    /// needed nevertheless to `parts`, from left to right. The row begins at raster row y.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets (parts of surfaces) of an instant from the file. Calls `also` for the rows that are read.
-/// Throws Error(out_of_memory) if the sheets would not fit into memory. Exceptions of the reader and of
-/// `also` are passed on.
+/// Reads the sheets (parts of surfaces) of an instant from the file. The records that are read are also
+/// passed to `also`. Throws Error(out_of_memory) if the sheets would not fit into memory. Exceptions of the
+/// reader and of `also` are passed on.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Applies another highlight rule to existing sheets. The new rule must have the same limit `above` as the
-/// old one. The result is bit-identical to that of `tree_sheets` with the new rule.
+/// Applies another rule for highlights to existing sheets. Its limit `above` must be that of the old rule.
+/// The result is bit-identical to the sheets that `tree_sheets` builds with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens
