@@ -24,12 +24,13 @@ namespace {
 /// independent halves gets 8 of them.
 constexpr int first_views = 16;
 
-/// The method `layers` makes a second image. If it may have less than half the error of the image made from
-/// views, views are added to compare the two more accurately. This is done at most this many times.
+/// Largest number of times that views are added only to compare two images more accurately: the image made
+/// from views, and a second one made by the method `layers`. This is done if the second one may have less
+/// than half the error of the first.
 constexpr int most_comparisons = 2;
 
-/// If the 95 % interval of the error is too wide, views are added. These are the largest allowed numbers of
-/// views, with and without rays, as multiples of the number that first met the target.
+/// If the 95 % interval of the error is too wide, views are added, up to these multiples of the number of
+/// views that first met the target. The first limit applies with rays, and the second one without.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of view samples (views times pixels) in all tiles together.
@@ -40,11 +41,10 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
 }
 
 /// Returns the number of views of each tile for the next step. The numbers of some tiles are doubled, until
-/// the expected mean error is below `wanted_mse`. The tiles in which an added view reduces the error most
-/// come first.
+/// the expected mean error of the image is below `wanted_mse`. The tiles in which an added view reduces the
+/// error most come first.
 ///
-/// The precision of a tile is the reciprocal of its error. It is assumed that each added view increases the
-/// precision by the same amount.
+/// Each added view is assumed to increase the reciprocal of a tile's error by the same amount.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -82,9 +82,9 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the error of the records is known least accurately, until the variance caused
-/// by all other tiles is at most `most_variance`. The error was measured by check rays, whose radiance is
-/// compared with the records.
+/// Selects the tiles in which the error of the records is known least accurately, so that the other tiles
+/// contribute at most `most_variance` to the variance of the image's error. Check rays have measured this
+/// error: their radiance was compared with the records.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -92,9 +92,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles whose highlights have the largest errors, until the highlights of all other tiles cause
-/// at most a quarter of the target error `most_mse`. Tiles in which rays cannot meet the target are not
-/// selected.
+/// Selects the tiles whose highlights have the largest errors, so that the highlights of the other tiles
+/// cause at most a quarter of the target error `most_mse`. A tile is not selected if rays would show its
+/// highlights with too much noise to meet the target.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -110,9 +110,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
 }
 
 /// Returns the number of views of each tile for the next step, if the 95 % interval of the error is too wide.
-/// The numbers are doubled in the tiles where this narrows the interval most, until the expected width is
-/// below `wanted_interval_db`. The width is proportional to the standard deviation of the estimate divided by
-/// the error. `most_samples` limits the number of view samples in the image.
+/// Its width is proportional to the standard deviation of the error's estimate divided by the error. The
+/// numbers are doubled in the tiles where this narrows the interval most, until the expected width is below
+/// `wanted_interval_db`. `most_samples` limits views times pixels in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -131,7 +131,7 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // Aim a little below the wanted width, because the next estimate may differ from the expected one.
+    // Narrower than wanted, because the next estimate may differ from the expected one.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -153,8 +153,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Estimates which share of the records belongs to reflected or transmitted surfaces, from evenly spaced rows
-/// of the file. Only records of the frame's own instant are counted.
+/// Estimates which share of the records describes reflected or transmitted surfaces, from evenly spaced rows
+/// of the file. If the file was recorded at several instants, only the frame's own instant is counted.
 double deeper_share(const SampleFileReader& file) {
     constexpr std::size_t most_rows = 16;
     const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
@@ -170,10 +170,10 @@ double deeper_share(const SampleFileReader& file) {
     return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
 }
 
-/// Returns whether the method `layers` takes no longer than drawing the first views. The time of `layers` is
-/// proportional to the number of records, and the time of views to the number of their pixels. A directly
-/// visible record takes about as long as a pixel of a view. A reflected or transmitted record takes
-/// `deeper_cost` times as long.
+/// Returns whether the method `layers` takes no longer than drawing the first views. Its time is proportional
+/// to the number of records, and the time of views to the number of their pixels. A directly visible record
+/// takes about as long as a pixel of a view. A reflected or transmitted record takes `deeper_cost` times as
+/// long.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -204,8 +204,8 @@ double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
 }
 
 /// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is computed from
-/// sRGB values, because errors are measured in these. If `views` is 1 or more, the radiances themselves are
-/// averaged, so that no light is lost to clamping.
+/// sRGB values, because errors are measured in these. If `views` is 1 or more, its sRGB value would be
+/// clamped, so the radiances themselves are averaged.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
@@ -251,8 +251,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // The image of `layers` is only made without a shutter, because it shows a single instant, and with a
-    // scene, because only rays can measure its error.
+    // `layers` shows a single instant, so it is only used without a shutter. The error of its image can only
+    // be measured with rays, so it is only used with a scene.
     std::optional<Image> layers;
     if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
         (void)checked_camera(frame.file().header(), *whole.scene);
@@ -278,7 +278,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
-            // target error, rays replace all samples of the tiles with the largest errors, which costs less.
+            // target error, rays replace all samples of the tiles with the largest errors.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -292,9 +292,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views reduce the noise, but not the error of the highlights. If the error of the
-            // highlights alone clearly exceeds the target, the noise is only reduced to a quarter of that
-            // error.
+            // More views reduce the noise, but not the error of the highlights. If the highlights alone
+            // clearly exceed the target error, the noise is only reduced to a quarter of the error of the
+            // highlights.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -302,9 +302,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, the estimated errors of single tiles are inaccurate. Intervals become too
-            // narrow if tiles are selected by such estimates. The first step therefore doubles the views of
-            // all tiles that have an error.
+            // With few views, the error of a single tile is estimated inaccurately, and selecting tiles by
+            // such estimates makes intervals too narrow. The first step therefore doubles the views of all
+            // tiles that have an error.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =
@@ -314,8 +314,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
         }
         if (is_met && next == wanted && layers && comparisons < most_comparisons) {
-            // If `layers` alone may have less than half the error, add views to compare the two images more
-            // accurately.
+            // If the image of `layers` alone may have less than half the error of the mixed image, views are
+            // added to compare the two more accurately.
             const double alone = least_alone_mse(measured, grid);
             if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
             ++comparisons;

@@ -15,7 +15,7 @@ inline constexpr double default_target_db = 40;
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
     /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If the value is absent,
-    /// the target is default_target_db, and there is no warning if the upper bound of the error is worse than
+    /// the target is default_target_db. There is then no warning if only the upper bound of the error misses
     /// the target.
     std::optional<double> target_db;
 };
@@ -24,8 +24,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured squared error of the tile, computed from sRGB values, as a mean over pixels and channels. It
-    /// is caused by the noise of the views and by the image of `layers` that is mixed with them.
+    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels. It is caused by
+    /// the noise of the views and by the image of `layers` that is mixed with them.
     double noise_mse = 0;
 };
 
@@ -35,7 +35,7 @@ struct AutoResult {
     std::vector<AutoTile> tiles;
     double mean_views = 0;
     double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
-    /// Share of the view samples (what one view sees in one pixel) that the records do not determine. Set
+    /// Share of the view samples (pixels of single views) whose colours the records do not determine. Set
     /// only if no scene is given.
     double unsure_share = 0;
     /// `noise_mse` is the measured noise of the views. `bound_mse` is an upper bound of the error caused by

@@ -20,12 +20,12 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A cause explains the error of a pixel if an image that avoids this cause has at most half of the error
-/// there. The squared error is then at most this fraction of the original one.
+/// A cause explains the error of a pixel if an image without this cause has at most half the error there, and
+/// so at most this fraction of the squared error.
 constexpr double explained = 0.25;
-/// A cause is accepted if the squared error that it is estimated to have is at least this fraction of the
-/// pixel's squared error. The limit for the record density is smaller, because its estimate is often too
-/// small: edges that pass between samples are not counted.
+/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's squared error.
+/// The limit for the density of the records is smaller, because its estimate is often too small: edges that
+/// pass between samples are not counted.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// If the records lack less than this share of a pixel's light, they count as complete in this pixel.
@@ -151,8 +151,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // A light field from the same records computes correctly which surfaces hide others and, with a shutter,
-    // how they move. Errors that it does not have are due to the method that made the image.
+    // A light field from the same records determines correctly which surfaces hide others and, with a
+    // shutter, how they move. An error that this light field does not have is due to the method that made the
+    // image.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -225,13 +226,13 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of other instants have two effects. They show surfaces that rotate into view, and they
-            // show new colours of surfaces that were already visible. If the records already had almost all
-            // surfaces before, the new colours are the cause.
+            // Records of further instants show surfaces that rotate into view, and new colours of surfaces
+            // that were already recorded. If almost all surfaces were already recorded, the new colours are
+            // the cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // A surface that is not recorded is assumed to differ from its surroundings by the local
+            // The colours of an unrecorded surface and of its surroundings are assumed to differ by the local
             // contrast, or by the mean contrast of the image if that is larger.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),

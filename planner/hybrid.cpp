@@ -16,12 +16,12 @@
 namespace postlens {
 namespace {
 
-/// A limit for two values of a pixel: the share of its light that is not recorded, and the radiance that is
-/// reprojected to wrong positions. If either value exceeds the limit, the records of the pixel count as
-/// insufficient.
+/// The records of a pixel count as insufficient if one of two values exceeds this limit: the share of the
+/// pixel's light that is not recorded, or the radiance that is reprojected to wrong positions.
 constexpr double tolerated = 0.02;
 
-/// Returns the share of the pixels of the image or crop whose records are insufficient.
+/// Returns the share of pixels, in the image or crop, for which too much light is not recorded or is
+/// reprojected to wrong positions.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -33,8 +33,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by the time to draw one view of the whole image. Pixels are
-/// scattered instead of drawn from views only if this saves more time than it takes.
+/// Time of the method `scatter`, divided by the time to draw one view of the whole image. The pixels in which
+/// `scatter` is exact are left to it if this saves more time than it takes.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -87,8 +87,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// with rays.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which highlights shown by rays would have smaller errors than highlights spread by
-/// impulse responses.
+/// Returns 1 for tiles whose highlights would have smaller errors if rays showed them instead of impulse
+/// responses.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -100,10 +100,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and from rays into the scene. Its views form two halves that are drawn
-/// separately, and the difference between the halves measures the noise. Check rays are compared with the
-/// records. If they show an error of the records, rays replace all samples in the tiles with the largest
-/// errors. Tiles are added until the remaining error is small compared with the noise, or until noise and
+/// Makes the image from records and rays. Its views form two independent halves, whose difference measures
+/// the noise. Check rays measure the error of the records. Rays replace all samples in the tiles in which
+/// this error is largest, until the remaining error is small compared with the noise, or until noise and
 /// remaining error together are at most `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);

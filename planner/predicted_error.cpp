@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest number of views of the estimate, and index of its first set of lens points. The sets of the image
-/// itself have lower indices, so the errors of the image and of the estimate are independent.
+/// Smallest number of views that are drawn for the estimate, and index of their first set of lens points. The
+/// image itself uses sets with lower indices, so its error and that of the estimate are independent.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

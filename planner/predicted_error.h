@@ -11,8 +11,7 @@ namespace postlens {
 /// Squared errors of a tile. They are errors of sRGB values, as means over the tile's pixels and the
 /// channels.
 struct PredictedTile {
-    /// Error relative to the image that a light field with infinitely many views would give from the same
-    /// records.
+    /// Error relative to a light field of infinitely many views from the same records.
     double method_mse = 0;
     double bound_mse = 0;  ///< bound of the error caused by view samples that the records do not determine
 };
@@ -20,8 +19,7 @@ struct PredictedTile {
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// PSNR of the image or crop, relative to the image that a light field with infinitely many views would
-    /// give from the same records.
+    /// PSNR of the image or crop, relative to a light field of infinitely many views from the same records.
     double predicted_db = 0;
     double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine

@@ -12,9 +12,9 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight of another image that is mixed with the views of a tile. The weight minimises the sum
-/// of two terms: the error of the mixed image, and `price` times the variance of the error's estimate. It is
-/// 0 if the views have no noise.
+/// Returns the weight with which another image is mixed with the views of a tile. It minimises the error of
+/// the mixed image plus `price` times the variance of this error's estimate. If the views have no noise, the
+/// weight is 0.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -23,8 +23,8 @@ double weight_of(const TileError& tile, double price) {
 
 /// Chooses the weight with which another image is mixed into a tile. The weight depends on estimated errors.
 /// If the error of the other image is underestimated by chance, its weight becomes too large, and the
-/// estimated error of the mixed tile too small. Leave-one-out cross-validation corrects this. Each piece of
-/// the tile is estimated with a weight that is chosen without this piece.
+/// estimated error of the mixed tile too small. Leave-one-out cross-validation corrects this: the error of
+/// each piece of the tile is estimated with a weight that is chosen from the other pieces.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;
@@ -90,7 +90,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The weights do not affect the error of the records, so the variance of this error is left out.
+    // The weights do not affect the error of the records, so the variance of that error is left out.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);

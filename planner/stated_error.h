@@ -53,9 +53,9 @@ struct StatedError {
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Chooses, for each tile, the weight of the other image that is mixed with the views. Several sets of
-/// weights are tried, from the set with the smallest estimated error to the set with the least uncertain
-/// estimate. The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there is
-/// none, the set whose interval has the lowest upper end is chosen.
+/// weights are tried: first the set with the smallest estimated error, then sets whose estimates are less and
+/// less uncertain. The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there
+/// is none, the set whose interval has the lowest upper end is chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

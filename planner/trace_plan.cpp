@@ -30,8 +30,7 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// Fraction of the tiles in which the trace must reach the target error. The mean over the image must reach
-/// it as well.
+/// Fraction of the tiles that must reach the target error. The mean error of the image must reach it, too.
 constexpr double tiles_met = 0.9;
 /// Mean number of new samples per divided cell: its centre, and the midpoints of its sides that have no
 /// sample yet.
@@ -64,8 +63,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // CoC diameters are measured in pixels of the planned trace. Such a pixel is 1/4 as wide as a preview
-    // pixel.
+    // Width of a pixel of the planned trace, in pixels of the preview.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -100,8 +98,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
                 // At level L of the quadtree, an edge crosses 2^L cells of a pixel, each with an area of 4^-L
-                // px^2. The variance of the light is proportional to the sum of the squared areas, which is
-                // 2^-3L.
+                // px^2. The variance of the light is proportional to the sum of the squared areas, 2^L
+                // (4^-L)^2 = 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -111,10 +109,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
             // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
-            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are
-            // equal, and the squared error of the pixel is proportional to (2^L 4^-L)^2 = 2^-2L. If the edge
-            // is slanted, the errors are independent, and the squared error is proportional to 2^L (4^-L)^2 =
-            // 2^-3L.
+            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, their errors are
+            // equal and add up. The squared error of the pixel is then proportional to (2^L 4^-L)^2 = 2^-2L.
+            // If the edge is slanted, the errors are independent, and the squared error is proportional to
+            // 2^L (4^-L)^2 = 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -190,9 +188,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Beside an edge, `trace` records the hidden surfaces that the lens may see behind the edge, plus a
-    // margin of a few pixels. The pixels of the preview are larger, so its margin is wider. The number of
-    // hidden records in the preview is therefore scaled down.
+    // Beside an edge, hidden surfaces are recorded as far as the lens may see them, plus a margin of a few
+    // pixels. The pixels of the preview are larger than those of the planned trace, so its margin is wider.
+    // The preview's number of hidden records is therefore scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -200,8 +198,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the largest difference between the CoC diameters of two surfaces of the scene: the
-        // nearest surface and an infinitely far one.
+        // If all CoC diameters differ by less than half a pixel, hidden surfaces are not recorded. The
+        // largest difference is 2 reach_px, between the nearest surface and an infinitely far one.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

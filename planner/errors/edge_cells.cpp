@@ -48,8 +48,8 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
         const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
         out.square += step * step / 3;
         out.curvature_square += mixed * mixed / 3;
-        // The corners are assigned to the two sides of the edge by their values in the channel with the
-        // largest step.
+        // Assigns the corners to the two sides of an edge, by their values in the channel with the largest
+        // difference.
         if (step > widest) {
             widest = step;
             const double middle = (*low + *high) / 2;
@@ -99,12 +99,11 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: `off` is the error of the highlight's total light. It affects all pixels over
-    // which the lens spreads the highlight.
+    // First part of the error: `off`, the error of the highlight's total light, is spread over all pixels of
+    // its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // Second part of the error: the position of the highlight is inaccurate, which displaces its circle of
-    // confusion and changes the pixels at the rim of the circle. The brighter the highlight, the larger the
-    // error of these pixels.
+    // Second part of the error: an inaccurate position of the highlight displaces its circle of confusion,
+    // which changes the pixels at the rim of the circle.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -118,9 +117,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // The cell is uniform or smoothly shaded. If the shading has the terms a x^2 + b y^2, the mean of the
-    // corners has the error (a + b) / 6. The corners determine only the coefficient of x y, so a and b are
-    // assumed to be half of that coefficient.
+    // Without an edge, the shading varies smoothly, for example as a x^2 + b y^2 + c x y. The mean of the
+    // corners then differs from the mean of the cell by (a + b) / 6. The corners determine only c, so a and b
+    // are assumed to be c / 2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -10,12 +10,11 @@
 
 namespace postlens {
 
-/// Mean squared error of an area that is estimated from corners. A straight edge divides a square of area 1.
-/// The area on one side of the edge is estimated as the share of the square's corners on that side. The mean
-/// is over random edges that separate corners.
+/// Mean squared error of an area that is estimated from corners. A straight edge divides a square of area 1,
+/// and the area on one side of the edge is estimated as the share of the square's corners on that side. The
+/// mean is over random edges that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
-/// The same error as edge_cell_variance, for an edge that is parallel to a side of the square. The position
-/// of the edge is distributed uniformly.
+/// Like edge_cell_variance, but for uniformly distributed edges that are parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
@@ -40,15 +39,15 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// Estimates the error that radiance above 1 in some cells causes in the pixels over which the lens spreads
-/// it. In the cells themselves, sRGB encoding clips this radiance.
+/// Estimates the error that cells with radiance above 1 cause in the pixels over which the lens spreads this
+/// radiance. In the cells themselves, sRGB encoding clips it.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels, that is caused by edges in the cells.
-    /// The positions of these edges are known only from the corners of the cells. `variance_share` is a
-    /// factor for the variance of the radiance, for example for smaller cells.
+    /// Returns the squared error of sRGB values, summed over pixels, that is caused by edges in the cells,
+    /// because only the cells' corners are known. The variance of the radiance is multiplied by
+    /// `variance_share`, which accounts for smaller cells, for example.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -63,9 +62,9 @@ class SpreadLight {
 /// upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Expected squared error of a pixel, computed from the differences between the corners of its cells. If an
-/// edge is parallel to the sides of the cells, all cells have the same error, and the errors add up. If it is
-/// slanted, the errors of the cells are nearly independent.
+/// Estimates the squared error of a pixel from the corners of its cells. If an edge is parallel to the sides
+/// of the cells, all cells have the same error, and the errors add up. If the edge is slanted, the errors of
+/// the cells are nearly independent, and their squares add up.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

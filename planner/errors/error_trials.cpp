@@ -34,8 +34,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Adds the lens and shutter of the image to the settings of the trace, so that the trace records the
-/// surfaces and instants that they need.
+/// Adds the lens and shutter of the image to the settings of the trace. The trace then records the surfaces
+/// that this lens sees and the instants that this shutter needs.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
         // In a trace, the f-number is relative to the film distance instead of the focal length. The

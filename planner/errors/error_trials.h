@@ -1,5 +1,5 @@
-// Images made from new traces of the scene. Each trace removes one limit of the recorded data, for example
-// the limit that hidden surfaces are not recorded.
+// Images made from new traces of the scene. Each trace removes one cause of error, for example that hidden
+// surfaces were not recorded.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause;  ///< cause of error that the trial removes
     Image image;       ///< light field of the new records, of the same size as the file's image
-    /// If this trial corrects a pixel, later trials are ignored for this pixel. They remove further limits in
+    /// Whether later trials are ignored for a pixel that this trial corrects. They remove further limits in
     /// addition to this one, so they cannot show which limit was the cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants

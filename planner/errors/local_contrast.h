@@ -1,4 +1,4 @@
-// Estimates the error of a pixel whose colour is taken from its surroundings.
+// Estimates the error of a pixel if part of its light is unknown or is reprojected to a wrong position.
 #pragma once
 
 #include <vector>
@@ -11,14 +11,14 @@ namespace postlens {
 /// channels. The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
-/// Returns the expected squared error of a pixel, in sRGB values, if light from its surroundings replaces a
-/// share of its light. `variance` is the variance of the surroundings' values.
+/// Returns the expected squared error of a pixel's sRGB value if light from its surroundings replaces the
+/// share `unknown_share` of its light. `variance` is the variance of sRGB values in the surroundings.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
 /// Returns the expected squared error of a pixel if part of its light is reprojected to a wrong position.
-/// `light` is the radiance of this part as an sRGB value. On average, half of this part still reaches the
-/// right pixel, so the error is a quarter of the square of `light`.
+/// `light` is the radiance of this part as an sRGB value. On average, half of the light still reaches the
+/// right pixel, so the error is half of `light`, squared.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

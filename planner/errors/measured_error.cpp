@@ -21,9 +21,8 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Sums over pixels, in which each pixel counts with its mean over channels. `noise` is the squared noise
-/// (see measured_error) of the mean of the images `a` and `b`. `products` is the sum of (other - a) (other -
-/// b).
+/// Sums over pixels of means over channels. `noise` is the squared noise of the mean of the images `a` and
+/// `b` (see measured_error). `products` is (other - a) (other - b).
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -98,8 +97,8 @@ struct Mean {
     }
 };
 
-/// A sum over all pixels, estimated from pixels that are chosen with known probability. The variance takes
-/// into account that both the choice of pixels and their values are random.
+/// A sum over all pixels, estimated from pixels that are chosen with known probabilities. The variance
+/// accounts for the random choice of pixels and for their random values.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -130,9 +129,10 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals (ray minus record) of the image's two halves. Large residuals may be so rare
-/// that no pixel has one in both halves. All products are then 0, but their true variance is not. The
-/// variance is therefore at least the square of the mean squared residual.
+/// Mean product of the residuals (ray minus record) of the image's two independent halves. If large residuals
+/// are rare, no pixel may have one in both halves. The products are then 0, and so is their measured
+/// variance. It is therefore raised to at least the square of the mean squared residual, which is the
+/// variance of a product of independent residuals.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -268,7 +268,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
                                      const std::vector<int>& views) {
     std::vector<double> out(grid.count(), 0);
     if (a.light_square.empty()) return out;
-    // Returns the variance of the highlights' light along single rays, in the brightest channel.
+    // Returns the variance of the highlights' light between single rays, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
         const float mean = *std::ranges::max_element(half.checks[k].highlights);
         return half.light_square[k] - mean * mean;
@@ -279,9 +279,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // In each half of the image's views, sample positions and lens points are stratified in four
-            // dimensions. At the outline of a light, the variance of the mean of n rays is therefore n^(-1 -
-            // 1/4) times the variance of a single ray [mitchell1996].
+            // Each half of the views has its own sample positions and lens points, stratified in four
+            // dimensions. At the outline of a light, the mean of n such rays has n^(-1 - 1/4) times the
+            // variance of a single ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

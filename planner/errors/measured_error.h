@@ -19,8 +19,8 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between another image of the scene and the expected value of the views.
-    /// It may be negative.
+    /// Estimated squared difference between another image of the scene and the mean of infinitely many views.
+    /// As an estimate, it may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -30,9 +30,9 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the error of an estimate. The estimate, (1 - w)^2 noise_mse + w^2 other_mse,
-    /// is the squared error of a mixed image. In this image, another image has the weight w, and the views
-    /// have the weight 1 - w.
+    /// Returns the variance of an error's estimate. The error is that of a mixed image, in which another
+    /// image has the weight w and the views have the weight 1 - w. It is estimated as (1 - w)^2 noise_mse +
+    /// w^2 other_mse.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -40,8 +40,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Errors of the image that the records cause, measured by check rays, whose radiance is compared with
-    /// the records. As estimates, they may be negative.
+    /// Errors that the records cause in the image. They are measured by comparing the radiance of check rays
+    /// with the records. As estimates, they may be negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -92,9 +92,9 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise that the highlights of each tile would have if rays showed them instead of
-/// impulse responses. `views` contains the number of rays per pixel in each tile. `a` and `b` are the two
-/// halves of the image, whose highlights are spread by impulse responses.
+/// Estimates the squared noise of each tile's highlights if rays showed them instead of impulse responses.
+/// `views` contains the number of rays per pixel in each tile. `a` and `b` are the two halves of the image,
+/// in which impulse responses spread the highlights.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 

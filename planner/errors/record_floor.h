@@ -12,15 +12,15 @@
 
 namespace postlens {
 
-/// Returns the factor by which a circle of confusion reduces the squared error of an edge. The circle
-/// averages the errors of the quadtree cells within it. If the edge is `aligned` with the cells, the errors
-/// of cells along the edge are equal, and the factor is the number of cells across the edge. Otherwise the
-/// errors are independent, and the factor is the number of cells.
+/// Returns the factor by which a circle of confusion reduces the squared error of an edge, because it
+/// averages the errors of the pixels within it. If the edge is `aligned` with the sides of the quadtree
+/// cells, errors along the edge are equal, and the factor is the number of pixels across the circle.
+/// Otherwise the errors are independent, and the factor is the number of pixels in the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Correction factor for edges that pass between the corners of a cell and are therefore not seen. It is the
-/// error of all quadtree cells divided by the error of the cells whose corners show an edge. The value is a
-/// fit (docs/planner.md).
+/// Correction factor of the record floor for edges that pass between the corners of a cell, so that the
+/// corners do not show them. It is the error of all quadtree cells divided by the error of the cells whose
+/// corners show an edge. The value is a fit (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;
 
 /// For each pixel, the expected squared error caused by the size of the quadtree cells (edge_cells.h) and
@@ -29,8 +29,8 @@ inline constexpr double floor_unseen = 1.4;
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` must come from find_leaves for these rows.
-    /// Several threads may add different rows at the same time.
+    /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the quadtree leaves that find_leaves
+    /// finds in these rows. Several threads may add different rows at the same time.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
     /// Returns `add` as a callback for readers of records. The callback keeps a reference to this object.
     [[nodiscard]] auto adds() {

@@ -15,7 +15,7 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// One value per pixel of the whole image. With a crop, only the values of the pixels within it are valid.
+/// Values for all pixels of the image. With a crop, only those of the pixels within the crop are valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels

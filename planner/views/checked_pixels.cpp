@@ -14,8 +14,8 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
-    // Smallest number of checked pixels. Products of residuals (ray minus record) have a wide distribution,
-    // but the mean of 8000 of them is accurate enough.
+    // Smallest number of pixels that are checked. The products of their residuals (ray minus record) vary
+    // widely, but the mean of 8000 products is accurate enough.
     constexpr int enough_pixels = 8000;
     const bool is_small = std::int64_t{width} * height < enough_pixels * 16;
     edge_ = (is_small ? 2 : 4) + (random_rays ? 1 : 0);
@@ -40,8 +40,8 @@ double CheckedPixels::aimed(int x, int y, int views) const {
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // The factor has no divisor in common with the number of pixels of a block, so each pixel gets a
-    // different rank. Pixels with consecutive ranks are not neighbours.
+    // `step` has no divisor in common with the number of pixels of a block, so each pixel gets a different
+    // rank. Pixels with consecutive ranks are not neighbours.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

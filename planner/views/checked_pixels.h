@@ -27,8 +27,8 @@ class CheckedPixels {
     /// rays are random.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the indices of the checked views among the views [first, first + count) of a set. The indices
-    /// are relative to `first`, from 0 to count - 1.
+    /// Appends the indices of the views that are compared with a ray in pixel (x, y). They are some of the
+    /// views [first, first + count) of a set. The indices are relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
     /// Implements PatchViews::aimed for a half that has `views` views.
     [[nodiscard]] double aimed(int x, int y, int views) const;

@@ -15,11 +15,12 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of differently scrambled sets of lens points, and the step of a set's index from one piece (square
-/// of the image) to the piece below. Both numbers are prime, so that neighbouring pieces have different sets.
+/// Number of differently scrambled sets of lens points, and difference between the indices of the sets of a
+/// piece (square of the image) and of the piece below. Both numbers are prime, so that neighbouring pieces
+/// have different sets.
 constexpr int scrambles = 61, scrambles_down = 23;
 
-/// Moves a pixel's values in `to` towards those in `from`, by the fraction `share` of their difference.
+/// Blends a pixel's values in `to` with those in `from`, which get the weight `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;
@@ -64,8 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // For each range [first, end) of views that this half lacks in some pieces (squares) of the image,
-        // the scrambled sets of lens points that these pieces use.
+        // Maps a range [first, end) of views to the scrambled sets of lens points of those pieces (squares of
+        // the image) in which this half still lacks these views.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

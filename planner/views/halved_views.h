@@ -1,5 +1,5 @@
-// An image as the mean of two independent halves of its views. The difference between the halves measures the
-// noise.
+// Divides the views of an image (reprojections to different lens points) into two independent halves. The
+// difference between the halves measures the noise.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@
 
 namespace postlens {
 
-/// Draws the views of an image in several steps, with a number of views for each tile. If a scene is given,
+/// Draws the views of an image in several steps. Each tile has its own number of views. If a scene is given,
 /// rays replace samples whose colours the records do not determine.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set of lens
-    /// points. Two images share no set if their values of `first_set` differ by at least 128. Throws the
+    /// In `settings`, `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set
+    /// of lens points. Images whose values of `first_set` differ by at least 128 share no set. Throws the
     /// errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
@@ -31,8 +31,8 @@ class HalvedViews {
     /// view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
     /// Makes rays replace all view samples in the tiles whose entry in `tiles` is not 0, also in later calls
-    /// of `draw`. `what` states whether rays also replace the highlights. The tiles are redrawn, except those
-    /// in which rays already replace as much. Returns whether a tile was redrawn.
+    /// of `draw`. `what` states whether rays also replace the highlights. Tiles in which rays already replace
+    /// as much are not redrawn. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }

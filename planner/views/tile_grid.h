@@ -1,5 +1,4 @@
-// The tiles of an image, which have their own numbers of views, and the size of pieces, the smaller squares
-// into which tiles are divided.
+// Divides an image into tiles, each with its own number of views, and tiles into smaller squares, the pieces.
 #pragma once
 
 #include <algorithm>
