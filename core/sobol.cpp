@@ -12,8 +12,9 @@ namespace {
 constexpr int index_bits = 32;
 using Directions = std::array<std::uint32_t, index_bits>;
 
-/// A primitive polynomial x^s + a_1 x^(s-1) + .. + 1 and the first s odd initial numbers m of its dimension
-/// [joe2008, table "new-joe-kuo-6"]. The binary digits of `a` are a_1 .. a_(s-1).
+/// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1 of one dimension of the Sobol sequence, and its first s
+/// initial numbers m, which are odd [joe2008, table "new-joe-kuo-6"]. The binary digits of `a` are a_1 ..
+/// a_(s-1).
 struct Polynomial {
     int s;
     std::uint32_t a;
@@ -76,8 +77,9 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence: the product of the bits of the index and Pascal's triangle
-/// modulo 2. This matrix is a product of five simple matrices, and each line below multiplies by one of them.
+/// Returns dimension 1 of the Sobol sequence: the product of Pascal's triangle modulo 2, as a matrix, and the
+/// bits of the index. The matrix is a product of five simple matrices, and each line below multiplies by one
+/// of them.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -112,9 +114,9 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Table entries for the bit-reversed coordinates of 16 consecutive samples, or of one sample. If `first` is
-/// a multiple of 16, the indices of the samples differ only in their lowest four bits. The coordinate of
-/// sample i is then low[i] ^ high.
+/// Table entries from which the bit-reversed coordinates of 16 consecutive samples, or of one sample, are
+/// made. If the first index is a multiple of 16, the indices differ only in their lowest four bits. The
+/// coordinate of sample i is then low[i] ^ high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

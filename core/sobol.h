@@ -45,13 +45,13 @@ void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float*
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Sample points for the dimensions after the first five. They are taken singly or in pairs, and each uses
-/// the first one or two dimensions of the Sobol sequence in its own shuffled order [burley2020]. The
+/// Sample points for the dimensions after the first five. Each single dimension or pair of dimensions uses
+/// the first one or two dimensions of the Sobol sequence, in its own shuffled order [burley2020]. The
 /// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
-    /// `n` is the number of samples of a pixel, 1 .. 2^20. The order is shuffled among the first 2^k indices,
-    /// where 2^k is the smallest power of two that is at least n.
+    /// `n` is the number of samples of a pixel, 1 .. 2^20. Indices are shuffled among the first 2^k, where
+    /// 2^k is the smallest power of two that is at least n.
     explicit SobolPadding(std::uint32_t n);
     void fill_2d(SetKey key, int first, int lanes, float* u, float* v) const;  ///< a (0,2)-sequence
     void fill_1d(SetKey key, int first, int lanes, float* u) const;            ///< a (0,1)-sequence

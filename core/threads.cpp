@@ -15,9 +15,9 @@ namespace postlens {
 
 #if defined(__SANITIZE_THREAD__)
 
-// This version for ThreadSanitizer uses plain threads. Each thread runs a fixed part of the chunks, in no
-// order relative to the other threads. ThreadSanitizer would report every TBB loop as a race, because it
-// cannot see the synchronisation inside TBB.
+// This version for ThreadSanitizer uses plain threads, each of which runs a fixed part of the chunks.
+// ThreadSanitizer would report every TBB loop as a race, because it cannot see the synchronisation inside
+// TBB.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
     const std::size_t chunks = count / grain + (count % grain != 0 ? 1 : 0);

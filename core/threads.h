@@ -32,8 +32,8 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
 }
 
 /// Calls make(i) and then end(i) for each i. make(i) may run on any thread. The calls of end are made one at
-/// a time and in the order of i. At most `at_a_time` indices are in progress at any time, where an index is
-/// in progress from the start of make(i) to the end of end(i). make_in_order calls this function.
+/// a time and in the order of i. At most `at_a_time` indices are in progress at any time: an index is in
+/// progress from the start of make(i) to the end of end(i).
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 

@@ -1,5 +1,5 @@
-// Names and lists result tables in a folder. A sweep or a chart writes one such table per share (one of
-// several parts of the work).
+// Names and lists result tables in a folder. If the work of a sweep or a chart is divided into shares
+// (parts), each share writes one table.
 #pragma once
 
 #include <filesystem>
