@@ -1,4 +1,4 @@
-// Interface to a ray tracer. Its rays replace samples whose colours the records do not determine.
+// Interface to a ray tracer. Its rays replace samples whose colours the recorded data do not determine.
 #pragma once
 
 #include <array>

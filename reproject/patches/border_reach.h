@@ -1,4 +1,5 @@
-// Finds where a view may see a surface that lies outside the recorded pixels.
+// Finds where a view (image for one lens point and one instant) may see a surface outside the recorded
+// pixels.
 #pragma once
 
 #include <array>

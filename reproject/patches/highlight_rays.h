@@ -1,4 +1,4 @@
-// Measures the error of highlights by rays that are aimed at them.
+// Measures the error of highlights (bright spots that the lens spreads) by rays that are aimed at them.
 #pragma once
 
 #include <array>

@@ -66,7 +66,7 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
-// These functions are inlined into functions that are compiled for several instruction sets.
+// For functions that are inlined into other functions, which are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
 /// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.

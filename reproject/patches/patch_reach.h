@@ -1,4 +1,5 @@
-// A fast test that excludes patches outside a tile, before their maps into the view are computed.
+// A fast test that excludes patches (planar parts of surfaces) outside a tile, before their maps into the
+// view are computed.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// For each pixel of a tile, sums the radiance of directly visible surfaces over all views.
+// For each pixel of a tile, sums the radiance of directly visible surfaces over all views (images for one
+// lens point and one instant each).
 #pragma once
 
 #include <array>

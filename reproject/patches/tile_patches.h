@@ -1,4 +1,5 @@
-// Finds, for each tile of the image, the patches (planar parts of surfaces) that views may show there.
+// Finds, for each tile of the image, the patches (planar parts of surfaces) that views from any lens point
+// may show there.
 #pragma once
 
 #include <cstddef>

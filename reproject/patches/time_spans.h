@@ -1,4 +1,5 @@
-// Groups views by time, so that bounds of the positions of moving surfaces can be computed quickly.
+// Groups views (images for one lens point and one instant each) by time, so that bounds of the positions of
+// moving surfaces can be computed quickly.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Sums the radiance that views see by reflection and transmission. There is one sum for each pixel of a tile
-// and each sequence of reflections and transmissions.
+// Sums the radiance that views (images for one lens point and one instant each) see by reflection and
+// transmission. There is one sum for each pixel of a tile and each sequence of reflections and transmissions.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// Selects the view samples for which rays are traced. Some rays replace samples whose colours the records do
-// not determine. Other rays check samples whose colours the records do determine.
+// Selects the view samples (pixels of single views) for which rays are traced. Some rays replace samples
+// whose colours the records do not determine. Other rays check samples whose colours the records do
+// determine.
 #pragma once
 
 #include <algorithm>
