@@ -1,4 +1,5 @@
-// Makes an image with as many views in each tile as a target error needs.
+// Makes an image as the mean of views (images from different lens points), with as many views in each tile as
+// a target error needs.
 #pragma once
 
 #include <optional>

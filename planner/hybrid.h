@@ -1,5 +1,5 @@
-// Makes a light field image with a given number of views. A ray replaces the sample of a view where the
-// records do not determine its colour.
+// Makes a light field image: the mean of a given number of views (images from different lens points). A ray
+// replaces the sample of a view where the recorded data do not determine its colour.
 #pragma once
 
 #include <memory>

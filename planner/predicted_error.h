@@ -1,4 +1,4 @@
-// Estimates the error of an image from the image's records alone, without tracing rays.
+// Estimates the error of an image from the recorded data alone, without tracing rays.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // Measures the errors of an image in two ways: by comparing two independent halves of its views, and by check
-// rays, whose radiance is compared with the records.
+// rays, whose radiance is compared with the recorded data.
 #pragma once
 
 #include <algorithm>

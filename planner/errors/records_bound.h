@@ -1,4 +1,4 @@
-// Upper bound of the error that samples cause if the records do not determine their colours and no rays
+// Upper bound of the error of view samples whose colours the recorded data do not determine, if no rays
 // replace them.
 #pragma once
 
