@@ -1,5 +1,5 @@
-// The command `chart --atlas`. It makes images of a collection of scenes, each of which breaks a method, and
-// shows them on a page.
+// The command `chart --atlas`. It makes images of scenes in which a method fails, and shows them on an HTML
+// page.
 #pragma once
 
 #include <string>

@@ -46,8 +46,8 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the cost of item i, for example a frame. Its time is interpolated linearly between the nearest
-/// measured items. Its memory is the larger of theirs.
+/// Returns the cost of item i, for example a frame. The time is interpolated linearly between the two nearest
+/// measured items. The memory is that of the item that needs more.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -155,9 +155,9 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Fits the predicted time to measurements. The command runs with a few samples or views, and again with
-    /// twice as many. Both numbers are doubled until the two times differ by more than `clear_s`, or until
-    /// the full number is reached.
+    /// Predicts the time for any number of samples or views. The command runs with a few of them, and again
+    /// with twice as many. Both numbers are doubled until the two times clearly differ, or until the full
+    /// number is reached.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -194,8 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. It is assumed that the full number
-            // takes longer by the same factor as for the middle frame.
+            // This frame was measured only with few samples or views. Its time for the full number is
+            // extrapolated by the factor that was found for the middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -209,9 +209,9 @@ class Measured {
         return out;
     }
 
-    /// Predicts the cost of each task of a sweep: a fixed time plus a time for each image. A run that makes a
-    /// single image shows the fixed time. One or two runs that make several images show the time for each
-    /// image.
+    /// Predicts the cost of each task of a sweep: a fixed time plus a time for each image. The fixed time is
+    /// measured by a run that makes a single image. The time for each image is measured by one or two runs
+    /// that make several images.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -246,8 +246,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // If the samples are divided among tasks, each task keeps several sums of radiance per pixel, one for
-        // each block of samples. So it needs more memory than an undivided run, which has a single block.
+        // A task that computes some of the samples of every pixel stores several sums of radiance per pixel.
+        // So it needs more memory than an undivided run, which stores only one sum per pixel.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -261,8 +261,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes only some of the rows. So it can be measured with more samples or views than the whole
-        // image, in the same time.
+        // A task makes only 1 / `shares` of the rows. With `shares` times as many samples or views, its
+        // measurement takes about as long as that of the whole image.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// A command for which `--dry-run` predicts the tasks.
+/// A command whose time and memory `--dry-run` predicts.
 struct DryRun {
     /// The words of the command line, without --share, --dry-run and the options that name outputs.
     std::vector<std::string> words;

@@ -51,9 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // The f-number in the sample file is the film distance divided by the diameter of the aperture. That of
-    // `lens` is its focal length divided by this diameter, so it is converted. The focus distance is not
-    // compared, because it does not change which hidden surfaces a lens sees.
+    // In the sample file, the f-number is the film distance divided by the diameter of the aperture, instead
+    // of the focal length divided by this diameter. The f-number of `lens` is converted accordingly. The
+    // focus distance is not compared, because it does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -132,8 +132,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // If there is a scene, even the image of a pinhole is made from several views (reprojections). Their rays
-    // show surfaces that lie between the recorded points, which are the corners of pixels.
+    // If there is a scene, even the image of a pinhole is made from several views (reprojections) and rays.
+    // The rays find surfaces that lie between the recorded points.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -153,8 +153,8 @@ CommandResult run_focus(const FocusOptions& options) {
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     // Warns of reflected and refracted surfaces that are reprojected to wrong positions. The records describe
-    // the motion of such surfaces over the lens only to first order. With a scene, there is no warning,
-    // because rays replace these samples.
+    // only to first order how such surfaces move in the image when the lens point moves. With a scene, there
+    // is no warning, because rays replace the wrong samples.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind as further layers behind `picture`, nearest first. Their edge pixels, which
-/// mix several surfaces, are first split into one sample per surface, so that each surface has its own depth.
+/// Adds the images of --behind as further layers behind `picture`, nearest first. Their pixels that mix
+/// several surfaces are first split into one sample per surface, each with its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -160,8 +160,8 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // Options are refused only for sample files. For other kinds of file, the reader throws a clearer error
-    // later.
+    // The error is thrown here only for sample files. For other kinds of file, the reader throws a clearer
+    // error later.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -230,8 +230,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Most channels of --passes are measured from several views (reprojections to lens points). If such a
-    // channel is wanted, the number of views may be given with any method.
+    // Most channels of --passes are measured from several views (reprojections to lens points). With such a
+    // channel, --views is allowed for every method.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

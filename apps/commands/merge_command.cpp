@@ -137,8 +137,8 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the two half images of a `render --halves` that was divided by rows. Each half image is made from an
-/// independent half of the samples. Each part stores its two half images in separate files.
+/// Joins the results of a `render --halves` that was divided by rows. Returns two images, each made from half
+/// of the samples. Each part of the render stores its rows of these two images in separate files.
 std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {

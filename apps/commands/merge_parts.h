@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Reads which share of the work a file contains, and the number of shares. `mark` is the JSON that describes
-/// the file (mark_of in share.h). Throws Error(invalid_input) if postlens has not written this JSON.
+/// Returns which share of the work a file contains, and the number of shares. `mark` is the JSON that
+/// describes the file (mark_of in share.h). Throws Error(invalid_input) if it is not such JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -45,9 +45,9 @@ class FoundParts {
 /// would write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the results of a sweep or a chart that was divided into shares. All shares have written their
-/// results to the same folder. Each has also written a table *.I-of-N.json, and these tables are the files to
-/// be joined. The joined results are written to the same folder.
+/// Joins the results of a sweep or a chart whose shares were made by several machines in the same folder.
+/// `options.parts` are the tables *.I-of-N.json, one for each share, in this folder. The joined results are
+/// written there as well.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

@@ -90,8 +90,8 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// Returns the first line of the text for the user, for example "a.exr: 960x540 px, convolve, MORE, 12.5 % of
-/// the pixels touched". MORE stands for the argument `more`.
+/// Returns the first line of the text for the user, for example "a.exr: 960x540 px, convolve, shutter 0 to
+/// 0.02 s, 12.5 % of the pixels touched", where `more` is "shutter 0 to 0.02 s".
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
@@ -222,8 +222,8 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     // sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // Options are checked only for sample files. For other kinds of file, the reader below throws a clearer
-    // error.
+    // Refuses options that do not apply to sample files. For other kinds of file, the reader below throws a
+    // clearer error.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

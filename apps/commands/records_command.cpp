@@ -8,8 +8,8 @@ namespace {
 
 // The two diameters, in px, of an elliptical circle of confusion. They are the singular values of the matrix
 // g D (I / s - W). Here g is film distance / pixel pitch, D is the diameter of the aperture in m, s is the
-// focus distance in m, and I is the identity. W is the 2x2 matrix, in 1/m, that a record stores for its
-// surface. It tells how the surface's image moves when the lens point moves.
+// focus distance in m, and I is the identity. W is the 2x2 matrix, in 1/m, of a record. It describes how the
+// image of the recorded surface moves when the lens point moves.
 struct CocAxes {
     double longer_px, shorter_px;
 };

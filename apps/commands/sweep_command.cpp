@@ -87,8 +87,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Collects the lenses with a larger aperture, and the shutters with a longer interval, than the file was
-    // traced for. They are reported as one warning.
+    // Warnings of images for which the file was not traced: the aperture is too large, or the shutter is open
+    // outside the traced interval. Only the first is reported, with the number of images.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

@@ -17,7 +17,7 @@ namespace postlens {
 
 namespace {
 
-// Warns of ids that shapes with different motions share. A sample file can store only one motion per id.
+// Warns if shapes with the same id move differently, because a sample file can store only one motion per id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
