@@ -63,7 +63,8 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds the options of the impulse response to `focus` or `render`. `real_lenses` allows lens prescriptions.
+/// Adds --impulse and the other options of the impulse response. If `real_lenses` is set, the help text
+/// mentions lens prescriptions.
 void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);

@@ -58,7 +58,7 @@ void share_option(CLI::App& app, std::optional<Share>& to, const std::string& wh
 /// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. If
 /// the frames are instants of a scene (`in_time`), also adds --fps.
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// Returns a description of the parsed command, from which --dry-run predicts the tasks.
+/// Returns the description of the parsed command from which --dry-run predicts time and memory.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

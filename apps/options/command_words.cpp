@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-// Marks describe the value of an option, for example as the name of an input file. CLI11 options cannot store
-// such a description. A mark is therefore added as a validator, which has a name and accepts every value.
+// Marks tell what the value of an option is, for example the name of an input file. CLI11 cannot store marks.
+// Each mark is therefore the name of a validator that accepts every value.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 

@@ -12,8 +12,7 @@
 namespace postlens {
 
 /// These functions mark an option whose value is a file name or contains one, such as `image:FILE`, and
-/// return the option. All such options of a command that writes files must be marked, because files_of finds
-/// only marked options.
+/// return the option. Commands that write files must mark all such options, because files_of finds no others.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);

@@ -41,7 +41,7 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Limits a command to its share of the rows of the image, by setting the crop. Also sets the mark by which
+/// Limits a command to its share of the rows of the image, by setting the crop. Also stores a mark by which
 /// `merge` recognises the result. Does nothing with --frames, because a share then consists of whole frames.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
@@ -56,9 +56,9 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share would divide an image that must be made as a whole. This is an image with --explain, or
-/// one for which the method auto measures errors (`decides`). With --frames, a share consists of whole
-/// frames, so nothing is thrown.
+/// Throws if --share would divide an image that must be made as a whole: one with --explain, or one for which
+/// the method auto measures errors (`decides`). With --frames, no image is divided, because a share consists
+/// of whole frames.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -131,8 +131,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// Runs a command once for each frame of --frames, or once without --frames. `adapt` sets the file names and
-/// times of a frame in the options before its run.
+/// Runs a command once for each frame of --frames, or only once without --frames. Before each run, `adapt`
+/// sets the file names and times of the frame in the options.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -148,8 +148,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // The exposure `auto` is computed from the first frame and changes all frames. It therefore
-            // becomes part of the stored description of how a frame was made.
+            // For `auto`, the exposure is computed from the first frame and used for all frames. It is
+            // therefore part of the stored description of how a frame was made.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

@@ -17,7 +17,8 @@ struct NamedFile {
     bool numbered = false, hashes = false;
 };
 
-/// Throws Error(wrong_arguments) if a file that is written has a second use, in any frame of `frames`.
+/// Throws Error(wrong_arguments) if an output file is also an input, or is written twice. The files of all
+/// `frames` are checked.
 void refuse_shared_files(const std::vector<NamedFile>& files, const std::optional<std::vector<int>>& frames);
 
 }  // namespace postlens
