@@ -51,7 +51,7 @@ let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
 
-/** The JSON text at the begin of a reply with binary data, and the position of that data. */
+/** Returns the JSON text at the beginning of a reply, and the position of the binary data that follows it. */
 function parseReport(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   return { report: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))), begin: Math.ceil((4 + length) / 4) * 4 };
@@ -88,7 +88,7 @@ async function askAgain(what, options, isWanted = () => true) {
 
 let beside = Promise.resolve();  // ends when the last request by `askBeside` ends
 
-/** Requests an additional image. The server makes one image at a time, so finer images of the lens wait. */
+/** Requests an additional image. The server makes one image at a time, so finer versions of the displayed image wait. */
 function askBeside(what, options) {
   const answer = askAgain(what, options);
   beside = answer.catch(() => null);
@@ -125,8 +125,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // The options are used when the user copies or saves the image. Those of a quick image are replaced by the
-      // options of the final image.
+      // If the user copies or saves a quick image, the options of the final image are used.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -250,7 +249,7 @@ async function findCauses() {
   drawSoon();
 }
 
-/** Forgets the causes, and cancels their search. */
+/** Discards the causes of the error, and cancels the search for them. */
 function dropCauses() {
   if (causesOf) dropping = fetch("drop_causes").catch(() => null);
   causes = causesOf = null;

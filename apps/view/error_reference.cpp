@@ -18,8 +18,8 @@ constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. The noise of the
-/// image, which is the mean of two halves, is estimated from the difference between the halves.
+/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. It is estimated from
+/// the difference between the two independent halves of the image.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

@@ -26,8 +26,8 @@ struct ErrorReference {
 /// an image with the given number of rays per pixel, which is even.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Prevents noise of the reference from counting as an error of `image`. Where a pixel differs from the
-/// reference by at most three standard deviations of the noise, the reference gets the pixel's colour. Throws
+/// Prevents noise of the reference from counting as an error of `image`. If a pixel differs from the
+/// reference by at most three standard deviations of the noise, its colour is copied to the reference. Throws
 /// Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 

@@ -1,5 +1,4 @@
-// Computes, for each pixel, the focus distance that brings the object in the pixel into focus. The inverses
-// of these distances are stored.
+// Computes, for each pixel, the inverse of the focus distance that brings the object in the pixel into focus.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +11,7 @@ namespace postlens {
 
 /// Inverse focus distance and id of the surface that each pixel shows, row by row. In a sample file, the
 /// surface is the brightest one that the pinhole sees in the pixel. In another program's image, it is the one
-/// at which the accumulated alpha reaches one half.
+/// at which the alpha, accumulated from front to back, reaches one half.
 struct ImageDepths {
     /// Inverse of the focus distance at which the surface is in focus, in 1/m. A reflection in a curved
     /// mirror may be in focus at two distances. The value is then the mean of both inverses. It is negative

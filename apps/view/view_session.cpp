@@ -69,8 +69,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page draws only one part of the plan of the method auto: the noise of each tile (a square of
-        // the image). The rest is not sent.
+        // Of the data in `plan`, the viewer's page needs only the noise of each tile (a square of the image).
+        // The rest is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -111,7 +111,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// Those of picture_options() that the page may set when it requests the causes of an image's error.
+/// The options that the page may set when it requests the causes of an image's error.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -153,8 +153,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method with this name, or an empty value if there is none. The name `auto` means `hybrid`
-/// here, because both methods reproject the records and trace rays into the scene.
+/// Returns the method with this name, or an empty value if there is none. For `auto`, returns `hybrid`,
+/// because both methods reproject the records and trace rays into the scene.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -325,8 +325,8 @@ ViewReply ViewSession::depths() {
 }
 
 /// Returns the image that `picture` makes with these parameters. If the last image had the same parameters,
-/// it is returned again. Otherwise, the file is opened anew, so that other requests, which use the shared
-/// open file, need not wait.
+/// it is returned again. Otherwise, the file is opened a second time, so that this work does not block other
+/// requests, which share the open file.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -73,8 +73,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // A black sample emits no light. The tiny multiple of its alpha sorts black samples by how much
-            // of the pixel they cover.
+            // The samples are sorted by their light. Black samples have none, so a tiny multiple of alpha
+            // sorts them by how much of the pixel they cover.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

@@ -55,7 +55,7 @@ class ViewedFrame {
 /// if the file is neither. Also throws the errors of the readers.
 [[nodiscard]] std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input);
 
-/// Returns the value of focus_m for facts(), which is null if there is no focus distance.
+/// Returns a focus distance as JSON: null if there is none, "inf" for infinity, otherwise a number in metres.
 [[nodiscard]] nlohmann::ordered_json focus_fact(const std::optional<double>& focus_m);
 
 /// These functions open the two kinds of frames.
