@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Throws if a flag has a value. If the flag has a callback, CLI11 would ignore the value, so that
-// --breathing=false would turn breathing on.
+// Throws if a flag has a value, as in --breathing=false. If the flag has a callback, CLI11 would ignore the
+// value and set the flag.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -68,7 +68,7 @@ void check_options(CLI::App& command) {
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // One letter is not similar to any name.
+        // A single letter gets no suggestion, because it is not similar to any name.
         const std::string_view nearest =
             name.size() > 2 ? nearest_word(name.substr(word[1] == '-' ? 2 : 1), known) : "";
         fail(ExitCode::wrong_arguments, "unknown option (got {}; {}see {} --help)", name,

@@ -43,13 +43,11 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image that the command has made. If --crop is given, it is only that part of the image. It is
-    /// missing if the command has written the image to a file. `render --halves` adds two more images, each
-    /// made from one half of the samples.
+    /// The image that the command has made, or only the part that --crop selects. Empty if the command has
+    /// written the image to a file. `render --halves` adds two images, each made from half of the samples.
     std::vector<Image> pictures;
     /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. The rest comes from the
-    /// records of the sample file. Only set by `focus` and `shoot`, if a scene is given and the image is not
-    /// written to a file.
+    /// records of the sample file. Only `focus` and `shoot` with a scene set it, if they return the image.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -57,8 +55,8 @@ struct CommandResult {
 class KeptFrame;
 struct OpenFrame;
 
-/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, both members have their
-/// default values, and the command chooses the exposure, for example that of the sample file.
+/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, `stops` is empty and
+/// `automatic` is false. The command then chooses the exposure, for example that of the sample file.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
@@ -93,8 +91,8 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// The scene into which a command traces rays. `explain` is the name of an image to write. Its colours show
-/// how each pixel was made.
+/// The scene into which a command traces rays. `explain` is the file name of an image whose colours show how
+/// each pixel was made.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
@@ -114,8 +112,8 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Returns pointers to the file names that may differ from frame to frame: the images of `behind`, and
-    /// the mask images that select objects.
+    /// Returns pointers to the file names that may differ from frame to frame: the background images
+    /// (`behind`), and the mask images that select objects.
     [[nodiscard]] std::vector<std::string*> files();
     /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
@@ -159,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command, given as words, in a mode that only joins the results of earlier runs (`Join`). An
-    /// example is a sweep whose images were made by several machines.
+    /// Runs a command that only joins the results of earlier runs, for example of a sweep whose images were
+    /// made by several machines. `words` are the arguments of the command.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -223,7 +221,7 @@ struct MotionBlurOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
-    int key = 0;  ///< index of the recorded instant; 0 means the frame's own
+    int key = 0;  ///< index of the recorded instant; 0 means the instant of the frame
     LensOptions lens;
     bool salvage = false;
 };
@@ -289,9 +287,9 @@ void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& ou
 /// Adds a warning `part` if an image file contains only one machine's share of a divided image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
-/// Returns `asked`, the value of an option. If it is absent, returns `named`, the value that the file states.
-/// Throws Error(wrong_arguments) if both are absent. `file` is the word for the file in the error message,
-/// for example "sample file".
+/// Returns the value of an option, `asked`. If it is absent, returns the value in the file, `named`. Throws
+/// Error(wrong_arguments) if both are absent. The error message uses the word `file`, for example "sample
+/// file".
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
@@ -310,25 +308,25 @@ struct ResolvedLens {
 /// contradict the prescription.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the interval in which the shutter is open. This is `asked`, or the interval in the file if `asked`
-/// is empty. If `from_frame` is set, the times in `asked` are relative to the frame's instant. Throws
-/// Error(wrong_arguments) if neither interval is given.
+/// Returns the interval in which the shutter is open: `asked`, the value of the option, or the interval in
+/// the file if the option is absent. If `from_frame` is set, the times in `asked` are relative to the instant
+/// of the frame. Throws Error(wrong_arguments) if the file states no interval either.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the lens has a larger aperture, or the shutter a longer interval, than the sample file
-/// was traced for.
+/// Adds a warning if the aperture of the lens is larger than the largest one for which the sample file was
+/// traced, or if the exposure is not within the interval of time for which it was traced.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
 /// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays replace samples
-/// that the records do not determine, and the warnings of the scene are added to `out`. If `retrace.explain`
-/// is set, writes an image that shows how each pixel was made. Throws if the scene refers to the output file
-/// `picture`.
+/// whose colour cannot be found from the records. If `retrace.explain` is set, writes an image that shows how
+/// each pixel was made. Adds the warnings of the scene to `out`. Throws if the scene refers to the output
+/// file `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns the numbers that `focus` and `shoot` report for the method hybrid: the shares of pixels that were
-/// made in each way, the numbers of rays, and the measured error.
+/// Returns the numbers that `focus` and `shoot` report for the method hybrid, such as the fraction of the
+/// image that was traced by rays, the numbers of rays, and the measured error.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
 /// Returns the shutter curve "box" or "triangle". Any other word is the name of a file from which the curve

@@ -25,9 +25,9 @@ struct OpenFrame {
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Returns a lock that the caller must hold while it uses the result of `at`. Waits until no other thread
-    /// holds it. Throws Error(interrupted) if the current job is cancelled while waiting. If `kept` is null,
-    /// returns an empty lock.
+    /// Returns a lock that the caller must hold while it uses the open file. Waits while another thread holds
+    /// the lock. Throws Error(interrupted) if the current job is cancelled during the wait. If `kept` is
+    /// null, returns an empty lock.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
     /// Returns the file, read at the given exposure. If the last call had another exposure, the file is
     /// opened again.

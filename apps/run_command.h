@@ -15,8 +15,8 @@ namespace postlens {
 /// `seconds`.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses a command and runs it like run_timed. `words` are the arguments after the name of the program. If
-/// another call uses the open file `in_process.kept`, waits until that call ends.
+/// Parses the arguments after the name of the program, and runs the command (run_timed). If another call uses
+/// the open file `in_process.kept`, waits until that call ends.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON that `--json` prints. It contains the JSON of the result, the peak memory of the process,

@@ -8,7 +8,7 @@ namespace postlens {
 namespace {
 
 // Returns the unit with which to read the scene of a sample file, for example metres per unit. Throws if the
-// user gives another unit than the sample file, because traced rays would then not agree with the records.
+// user gives another value than the sample file, because traced rays would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -32,8 +32,8 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Sample files from old versions of postlens do not state the two units. In these versions, lengths were
-    // in metres unless another unit was given, and 1 W of light counted as 1 lm. The default is therefore 1.
+    // Sample files from old versions of postlens state neither metres per unit nor lumens per watt. Both
+    // default to 1, because these versions assumed lengths in metres, and counted 1 W of light as 1 lm.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

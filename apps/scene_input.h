@@ -15,9 +15,10 @@ namespace postlens {
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. A unit that is
-/// not given has the value that the file states. Throws Error(wrong_arguments) if a given unit differs from
-/// the one in the file. Adds the warnings and throws the errors of read_scene_of_command.
+/// Reads the scene from which the sample file `file` was traced, at the exposure of this file.
+/// `metres_per_unit` and `lumens_per_watt` default to the values in the file. Throws Error(wrong_arguments)
+/// if a given value differs from that in the file. Adds the warnings and throws the errors of
+/// read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

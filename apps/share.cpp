@@ -61,8 +61,8 @@ class Digests {
         for (const fs::path& file : files) {
             std::error_code none;
             now.files.emplace_back(file, fs::last_write_time(file, none));
-            // A file that was written less than two seconds ago is not cached. If it changes again this soon,
-            // its time stamp may stay the same, and the change would not be noticed.
+            // A file that was written less than two seconds ago is not cached. If it changes again within
+            // this time, its time stamp may stay the same, and the change would not be noticed.
             constexpr std::chrono::seconds long_enough(2);
             if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
         }

@@ -62,14 +62,13 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// if the text is no such JSON.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns the mark of a share whose result is a set of items, such as the images of a sweep. The mark is
-/// JSON. It also contains the command's arguments (`words`), which `merge` uses to run the command again and
-/// join the results.
+/// Returns JSON (a mark) that describes a share whose result is a set of items, such as the images of a
+/// sweep. `merge` runs the command again with the arguments `words` to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 
-/// Sets `crop` to the rows of the share, and work->mark to the text by which `merge` recognises the share's
-/// result. Does nothing if `work` is empty.
+/// Limits `crop` to the rows of the share, and sets work->mark to the text by which `merge` recognises the
+/// result of the share. Does nothing if `work` is empty.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
 /// Returns the first setting in which two fingerprints differ, as its name and both values. Returns an empty
