@@ -52,7 +52,7 @@ struct CompareResult {
 /// for a wrong setting.
 /// @param image The picture whose error is measured.
 /// @param reference The picture that is taken to be correct.
-/// @param settings Further pictures, limits and maps.
+/// @param settings Further pictures to read, limits of the error, and maps to write.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The error of `image`.
 [[nodiscard]] CompareResult compare(const std::filesystem::path& image,
@@ -60,11 +60,11 @@ struct CompareResult {
                                     const CompareSettings& settings = {}, Job* job = nullptr);
 
 /// Compares two pictures in memory, by writing them to temporary .exr files. Alpha and planes (additional
-/// channels) are not compared. Throws the errors of the other `compare`, and Error(cannot_write) if a
+/// channels) are not compared. Throws the same errors as `compare` of two files, and Error(cannot_write) if a
 /// temporary file cannot be written.
 /// @param image The picture whose error is measured.
 /// @param reference The picture that is taken to be correct.
-/// @param settings Further pictures, limits and maps.
+/// @param settings Further pictures to read, limits of the error, and maps to write.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The error of `image`.
 [[nodiscard]] CompareResult compare(const Picture& image, const Picture& reference,

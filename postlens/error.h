@@ -23,8 +23,8 @@ namespace postlens {}
 /// bit-identical for any number of threads.
 namespace postlens::api {
 
-/// The exit codes of the command. Codes 0, 1 and 6 are results (`Report::exit_code`). The others are errors
-/// (`Error::code`).
+/// The exit codes of the command. Functions return codes 0, 1 and 6 as `Report::exit_code`. In all other
+/// cases, they throw an Error with the code (`Error::code`).
 enum class ExitCode {
     ok = 0,                 ///< The work is done.
     comparison_failed = 1,  ///< The error that `compare` measures exceeds a limit.

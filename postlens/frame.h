@@ -35,9 +35,9 @@ struct FrameInfo {
     Report report = {};  ///< Report of `postlens info`. Its JSON has further properties.
 };
 
-/// The records of one instant, as columns. Each column has one value (or a fixed number of values) per
-/// record. Records are sorted by pixel, and within a pixel by layer, y, x and path. docs/sample_file.md
-/// defines the quantities.
+/// The records of one instant, with one array for each property. Each array has one value (or a fixed number
+/// of values) per record. Records are sorted by pixel, and within a pixel by layer, y, x and path.
+/// docs/sample_file.md defines the quantities.
 struct Records {
     int x_begin = 0;  ///< First traced column, px. It is -overscan_px.
     int y_begin = 0;  ///< First traced row, px. It is -overscan_px.
@@ -51,22 +51,22 @@ struct Records {
     std::vector<float> z =
         {};  ///< z', the path length along the optical axis, m; infinite if nothing was hit.
     /// Red, green and blue of each record: scene-linear radiance times the throughput of the path. The
-    /// radiance of a point sample is the sum over its records.
+    /// radiance of an eye ray is the sum over its records.
     std::vector<float> rgb = {};
     std::vector<std::uint32_t> id = {};  ///< Number of the object, or 0 if nothing was hit.
-    /// The reflections and transmissions from the eye to the node. Each takes two bits, where 1 is a
-    /// reflection and 2 a transmission. The one nearest to the eye is in the lowest bits. The value is 0 if
-    /// the surface is seen directly.
+    /// The reflections and transmissions from the eye to the recorded surface. Each takes two bits: 1 is a
+    /// reflection, and 2 a transmission. The lowest two bits are for the one nearest to the eye. The value is
+    /// 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0 for a visible surface; n for the n-th surface behind it.
-    /// The matrix W in 1/m, as elements xx, xy, yx and yy of each record. It tells how the node's image moves
-    /// when the eye moves from the centre of the lens to the lens point q, in m. The image then moves by -W q
-    /// times film distance / pixel pitch, in px. For a surface that is seen directly, W is the identity
-    /// divided by z' [Igehy 1999].
+    /// The matrix W in 1/m, as elements xx, xy, yx and yy of each record. It describes how the image of the
+    /// recorded surface moves when the eye moves over the lens. If the eye moves by q, in m, the image moves
+    /// by -W q times film distance / pixel pitch, in px. For a surface that is seen directly, W is the
+    /// identity matrix divided by its depth [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of the matrix W, in 1/m^2, caused by motion of the node's image that is not linear in the lens
-    /// point. It is 0 if W is exact, or if its error was not measured. It is infinite if other lens points do
-    /// not see the node by the same reflections and transmissions.
+    /// Error of the matrix W, in 1/m^2. It arises if the image of the surface does not move linearly with the
+    /// eye. It is 0 if W is exact, or if its error was not measured. It is infinite if other lens points do
+    /// not see the surface by the same reflections and transmissions.
     std::vector<float> w_bend = {};
 };
 

@@ -42,7 +42,7 @@ struct Internals {
 [[noreturn]] void rethrow_as_error();
 
 /// Runs `work` with the threads, progress and cancellation of `job`, and returns its result. If `job` is
-/// null, those of the process are used. Throws only Error.
+/// null, uses the threads, progress and cancellation of the process. Throws only Error.
 template <typename Work>
 auto guarded(Job* job, const Work& work) -> decltype(work()) {
     try {
@@ -115,7 +115,7 @@ struct Outcome {
     [[nodiscard]] Picture take_picture();
 };
 
-/// Runs a command for the current job. Throws errors of the internal type Error.
+/// Runs a command as part of the current job. Throws postlens::Error, the internal type of errors.
 [[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr,
                                 bool pictures_stay = true);
 

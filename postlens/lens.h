@@ -18,8 +18,8 @@ struct LensSettings {
     /// pinhole.
     std::optional<double> f_number = {};
     /// Distance from the lens to the plane in focus along the optical axis, in m, more than 0 (`--focus`). It
-    /// may be infinite. It must be more than the focal length if `framing` is "lens" or `breathing` is set.
-    /// Functions that need no frame, such as `circle_of_confusion`, require this too.
+    /// may be infinite. It must be more than the focal length if `framing` is "lens" or `breathing` is set,
+    /// and in functions that need no frame, such as `circle_of_confusion`.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.

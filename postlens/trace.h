@@ -11,8 +11,7 @@
 
 namespace postlens::api {
 
-/// Value of a setting such as `hidden_layers`, with which the command chooses a number itself (`auto` on the
-/// command line).
+/// Lets the command choose the value of a setting such as `hidden_layers` (`auto` on the command line).
 inline constexpr int automatic = -1;
 
 /// Settings of `trace`.
