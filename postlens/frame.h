@@ -25,7 +25,7 @@ struct FrameInfo {
     int layers = 0;
     int overscan_px = 0;  ///< Pixels traced beyond each border of the picture, px.
     std::vector<double> instants_s =
-        {};  ///< Recorded instants on the scene's clock, s. The frame's own is the first.
+        {};  ///< Recorded instants on the scene's clock, s. The first is the instant of the frame.
     std::map<std::uint32_t, std::string> ids = {};  ///< Name of each object by its id.
     std::optional<double> focal_length_mm = {};     ///< Focal length in the file, mm.
     std::optional<double> film_distance_mm = {};    ///< Distance from the pinhole to the film, mm.
@@ -88,7 +88,7 @@ class Frame {
     [[nodiscard]] const FrameInfo& info() const noexcept;
     /// Reads the records of an instant. Throws Error(wrong_arguments) if the file has no records of this
     /// instant, or none at all.
-    /// @param instant 0 for the frame's own instant, n for the n-th further recorded instant.
+    /// @param instant 0 for the instant of the frame, n for the n-th further recorded instant.
     /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
     /// @return The records. Their colours are radiance, whatever the exposure of the file.
     [[nodiscard]] Records records(std::size_t instant = 0, Job* job = nullptr) const;
