@@ -25,8 +25,8 @@ constexpr std::size_t block_px = 16;
 /// Smallest accepted variation of the image, as root mean square difference from its median tone. A constant
 /// image shows no blur from which the lens could be estimated.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual of the best lens, as a fraction of the variation of the image. The fraction is
-/// about 0.1 if the file shows the same view as the image, and almost 1 if it shows another view.
+/// Largest accepted residual of the best lens, as a fraction of the image's RMS difference from its median
+/// tone. The fraction is about 0.1 if the file shows the same view as the image, and almost 1 otherwise.
 constexpr double most_left = 0.5;
 /// Largest accepted error of the best lens, as a fraction of the error of the image without blur. If the
 /// error is larger, no lens explains the image clearly better than the pinhole.
@@ -192,8 +192,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Finds the minimum in two descents. Each descent uses the pixels that are reliable for the lens with which
-/// it begins.
+/// Finds the minimum in two descents. Each descent uses only pixels in which the simulated blur is reliable
+/// for the lens with which the descent begins.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -282,8 +282,9 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // The error of each minimum was computed over a different set of pixels. To make the errors comparable,
-    // each one is divided by the variation (`spread`) of the image over its own set of pixels.
+    // Each lens was fitted to a different set of pixels. To make the errors of the fits comparable, each
+    // error is divided by the contrast of the image in the same pixels (`spread`, RMS difference from the
+    // median tone).
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -16,7 +16,7 @@ namespace postlens {
 struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, it is chosen from the longest displacement.
+    /// Number of instants, 1..most_views. If absent, it is chosen from the largest displacement of an object.
     std::optional<int> views;
     /// Only tiles that overlap the crop are drawn. All other tiles stay as they are.
     std::optional<Crop> crop;
@@ -29,32 +29,31 @@ struct FieldBlurSettings {
 struct FieldBlur {
     PatchPicture picture;  ///< pixels over which nothing moves are black and count as known
     int views = 0;
-    /// Weight of each recorded instant in the mean of the views; the weights sum to 1.
+    /// Weight of each recorded instant in the blurred image; the weights sum to 1.
     std::vector<double> instant_shares;
 };
 
-/// Bit of PatchPicture::touched. It is set in pixels in which an object of `wanted_ids` is recorded or seen
-/// by a view.
+/// Bit of PatchPicture::touched. It is set in pixels over which an object of `wanted_ids` lies in the records
+/// or in a view, that is, at an instant of the exposure.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Averages views at instants that are distributed like the shutter's transmission. Each view has its own
-/// sample position in the pixel. It is blended from the records of the instants just before and after it,
-/// which are reprojected to the instant of the view. Objects that `ids` classifies as still are not moved,
-/// even if their recorded positions differ. Only tiles that the objects of `wanted_ids` (sorted) may touch
-/// are computed.
+/// Averages views at instants that are distributed like the shutter's transmission. A view blends the records
+/// of the recorded instants just before and after it, reprojected to the instant of the view. Each view has
+/// its own sample position in the pixel. Objects whose kind in `ids` is `still` are not moved, even if their
+/// recorded positions differ. Only tiles over which an object of `wanted_ids` (sorted) may pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
 /// Draws the views of `field` in the tiles that overlap `crop`. Pixels over which nothing moves are black,
-/// and their share of unknown light is 0. `field` must have a single set of views, and class_marks must not
-/// be empty.
+/// and their share of unknown light is 0. `field` must have exactly one set of views, and its `class_marks`
+/// must not be empty.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies the pixels of `seen` whose `touched` contains a bit of `marks` into `image`, which has the same
-/// size. Where a share of a pixel's light is unknown, this share is taken from `behind`. `behind` may be
-/// empty if no light is unknown.
+/// Copies those pixels of `seen` to `image` in which `touched` has a bit of `marks`. Both images have the
+/// same size. If part of a pixel's light was not recorded, this part is taken from `behind`. If all light was
+/// recorded, `behind` may be empty.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -68,7 +68,7 @@ class MotionBlur {
     }
 
   private:
-    // Whether the exposure consists only of the frame's own instant, so that the recorded image is the
+    // Returns whether the exposure is only the instant of the frame itself, so that the recorded image is the
     // result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
@@ -88,14 +88,14 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Only bands that contain one of these objects stay in memory. Neighbouring bands share a row, so an
-        // object in this row keeps both bands.
+        // Only bands that contain one of these objects stay in memory. Neighbouring bands share a row. If an
+        // object occurs in this row, both bands stay in memory.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // The records of other instants are classified too, because an object may move differently there.
-        // Some objects are recorded only at other instants.
+        // The records of other instants also determine the kind of motion, because an object may move
+        // differently there or may be recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -166,15 +166,15 @@ class MotionBlur {
         }
     }
 
-    // Whether the border of the recorded area cuts off an object at the frame's instant. Convolution would
-    // not show the part beyond the border, because it uses the records of this instant only. The light field
-    // method also uses other instants, and finds the pixels that the missing part may cover.
+    // Returns whether the border of the recorded area cuts off an object at the frame's instant. Convolution
+    // cannot show the missing part, because it only uses the records of this instant. The light field method
+    // also uses the other recorded instants.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Whether shading, shadows or reflections may change between the recorded instants. Convolution would not
-    // show this, because it uses the records of the frame's instant only.
+    // Returns whether shading, shadows or reflections may change between the recorded instants. Convolution
+    // cannot show such changes, because it only uses the records of the frame's instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -188,8 +188,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows covers the extent of samples and cells. A sample represents a quarter of a
-        // quadtree leaf, and a cell of the raster extends half a cell beyond its centre.
+        // The margin of 2 rows is needed because samples and raster cells have a size. A sample represents a
+        // quarter of a quadtree leaf, and a cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -197,9 +197,9 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Finds the groups of objects to convolve, and the surfaces in the rows that these groups touch. With
-    /// the method `automatic`, a group with parallax is left to the light field method if depth slices would
-    /// be inaccurate (why_not_sliced).
+    /// Groups the objects to convolve, and finds the surfaces in the rows over which they move. With the
+    /// method `automatic`, groups for which depth slices would be inaccurate (why_not_sliced) are left to the
+    /// light field method.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -259,8 +259,8 @@ class MotionBlur {
         });
     }
 
-    /// With the method `automatic`, a group that crosses another one is left to the light field method if the
-    /// error may exceed `most_crossing_mse`. The group's pixels are replaced later.
+    /// Convolves all groups. With the method `automatic`, a group that crosses another one is later drawn
+    /// again by the light field method if the error of the convolution may exceed `most_crossing_mse`.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -290,9 +290,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so the uncovered background cannot be filled from static
-            // pixels. It is filled from the views instead. For this, the views of the whole image are needed,
-            // not only those of the crop.
+            // Moving objects cover every pixel, so no static pixel shows the background that they uncover.
+            // The views show it instead. For this, the views of the whole image are needed, not only those of
+            // the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -314,9 +314,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns background colours for the pixels that moving objects cover in the records. They are
-    // interpolated from the surrounding pixels. If moving objects cover every pixel, they are interpolated
-    // from the pixels in which at least one view sees a recorded surface.
+    // Returns the colours of the background behind moving objects, interpolated from the static pixels around
+    // them. If moving objects cover every pixel, the colours are interpolated from the pixels in which at
+    // least one view shows a recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -344,7 +344,7 @@ class MotionBlur {
         if (!unseen.possible()) return;
         bands_.need_all();
         for (const RecordBand& band : bands_.bands()) {
-            // The last row of the band is left out, because it is also the first row of the next band.
+            // Leaves out the last row of the band, because it is also the first row of the next band.
             unseen.add(band, band.y_begin, band.y_end - 1);
         }
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));

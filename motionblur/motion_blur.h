@@ -29,9 +29,9 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute. Pixels outside of it are undefined. Pixels within it are
-    /// bit-identical to those of the whole image. The shares in the result are fractions of the crop's
-    /// pixels. Only the method lightfield becomes faster.
+    /// The part of the image to compute. Pixels outside of it are undefined, and pixels within it are
+    /// bit-identical to those of the whole image. The shares in MotionBlurResult are fractions of the crop's
+    /// pixels. A crop only makes the method lightfield faster.
     std::optional<Crop> crop;
 };
 

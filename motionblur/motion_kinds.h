@@ -24,16 +24,16 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects to include their directly visible surfaces in a band, in all
-/// layers. If `only` is not empty, it contains the sorted ids of the objects to include. Returns whether the
-/// band contains any of the included objects.
+/// Enlarges the bounding boxes of objects to include their records in a band, except those seen by reflection
+/// or transmission. If `only` is not empty, it contains the sorted ids of the objects to include. Returns
+/// whether the band contains any of these objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Parallel to the film, but nearer points move farther. The displacement of a point is that of the box's
-    /// centre times the ratio of the point's inverse depth to the centre's, within 0.25 px.
+    /// Moves parallel to the film, and nearer points move farther. The displacement of each point is
+    /// proportional to its inverse depth, within 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -42,12 +42,12 @@ struct IdMotion {
     std::uint32_t id = 0;
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
-    /// Largest difference between the displacement of a corner of the box and that of the box's centre.
+    /// Largest difference, in px, between the displacements of a corner and of the centre of the box.
     /// Infinite if the box passes the camera.
     double deviation_px = 0;
     /// Largest difference, in px, between the displacement of a corner of the box and the displacement that
-    /// parallax predicts. The prediction is the centre's displacement times the ratio of the corner's inverse
-    /// depth to the centre's.
+    /// parallax predicts: that of the box's centre times the ratio of the corner's to the centre's inverse
+    /// depth.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m
@@ -74,8 +74,8 @@ inline constexpr double translation_px = 0.25;
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 
-/// Returns the instants at which motions are compared. These are the opening and the closing of the shutter,
-/// uniformly spaced instants between them, and those of `breaks_s` that lie between them.
+/// Returns the instants at which motions are compared: the opening and the closing of the shutter, uniformly
+/// spaced instants between them, and all instants of `breaks_s` during the exposure.
 [[nodiscard]] std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure);
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ namespace {
 
 using glm::dvec3;
 
-// Number of instants at which shadows and lights are tested: the frame's own instant, and nine evenly spaced
+// Number of instants at which shadows and lights are tested: the time of the frame, and nine evenly spaced
 // instants of the exposure.
 constexpr int shadow_instants = 10;
 constexpr int shadow_step_px = 4;
@@ -27,8 +27,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
 }
 
 /// Returns whether the surface at `r` reflects or transmits an object that moves differently from this
-/// surface. The blurred image does not show such a motion, because reflected and transmitted surfaces are
-/// moved together with the surface at `r`.
+/// surface. Motion blur cannot show this, because it moves reflected and transmitted objects together with
+/// the surface.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -38,7 +38,8 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
 }
 
 /// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of the surfaces that the
-/// ray and its reflections and refractions hit. Hidden surfaces (layers above 0) are left out.
+/// ray and its reflections and refractions hit. Surfaces that are hidden from the pinhole (layers above 0)
+/// are left out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -174,7 +175,8 @@ class ShadowTest {
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
     /// Whether there are lights and something that moves.
     [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
-    /// Sorted ids of the objects whose shading changes because they turn or move relative to a light.
+    /// Returns the sorted ids of the objects whose shading changes because they turn or move relative to a
+    /// light.
     [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }
     [[nodiscard]] bool operator()(const Record& r) const {
         if (r.id == 0 || std::isinf(r.z)) return false;
@@ -205,9 +207,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether an edge at which the object is cut off moves into the frame. An edge is cut off if the
-/// object reaches the border of the recorded area. `map` moves the object's records from the recorded instant
-/// to another instant.
+/// Returns whether an edge of the object at the border of the recorded area, where the object is cut off,
+/// moves into the frame. `map` moves the object's records from the recorded instant to another instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -218,8 +219,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, a cut-off edge lies on the border of the frame from the start. It only counts if
-        // it moves into the frame by more than this margin.
+        // Without overscan, cut-off edges already lie on the border of the frame. They only count if they
+        // move into the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -337,8 +338,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // An object that is recorded neither at the frame's instant nor at the recorded instants just before
-        // and after t is not visible at t. Nothing of it can be missing then.
+        // An object is not visible at time t if it is recorded neither at the frame's time nor at the
+        // recorded instants just before and after t. No part of it is missing then.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -357,7 +358,7 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, a surface that fills the frame is cut off at every instant. lightfield reports
+        // If the camera moves, every surface that fills the frame is cut off at all times. lightfield reports
         // the missing parts of such surfaces by the warning "uncovered" instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;

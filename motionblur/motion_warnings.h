@@ -45,21 +45,21 @@ class UnseenMotion {
 };
 
 /// Adds the warning "uncovered" for pixels in which more than 1 % of the light is unknown. `unknown` contains
-/// this share for each pixel. Smaller shares are ignored, because the sample of one view in 128 may fall into
-/// a tiny gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of
+/// this share for each pixel. Smaller shares are ignored, because the sample of a single view may fall into a
+/// tiny gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of
 /// affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts off an object while the shutter is open. An object
-/// counts as cut off if, at some instant of the exposure, it is whole neither in the records of the frame's
-/// instant nor in those of the recorded instants just before and after. `instants` contains the extents of
-/// the objects at the recorded instants that may be used, beginning with the frame's own instant.
+/// Returns whether the border of the recorded area cuts off an object at any time of the exposure. The object
+/// is not cut off at a time if it is whole in the records of the frame's time, or of the recorded instant
+/// just before or after. `instants` contains the bounding boxes of the objects at the recorded instants that
+/// may be used, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that are cut off (`is_cut`). Objects that lightfield blurs
-/// are tested with all recorded instants of `instants`, and all others with the first only. If the camera
-/// moves, objects that lightfield blurs are not tested.
+/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (`is_cut`).
+/// Objects that lightfield blurs are not tested if the camera moves. Otherwise, all recorded instants are
+/// used for them. For other objects, only the first recorded instant is used.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

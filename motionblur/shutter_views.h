@@ -21,14 +21,14 @@ inline constexpr int most_views = 4096;           ///< largest number of views t
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);
 
-/// Returns sample position j of `places` (a power of 2) in the pixel, in px. The positions are a (0,
-/// 2)-sequence in base 2 [sobol1967]. Successive positions are far apart, so that views close in time have
-/// very different positions.
+/// Returns element j of a (0, 2)-sequence in base 2 [sobol1967] as a sample position in the pixel, in px.
+/// `places` is the number of different positions, a power of 2. Successive positions are far apart, so that
+/// views close in time have very different positions.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Returns the number of views for objects that move by up to `longest_px`. It is one view per 2 px, rounded
-/// up to a power of 2, between `fewest_views` and `most_views_by_itself`. docs/motion.md states the error of
-/// such images.
+/// Returns the automatic number of views for objects that move by up to `longest_px`: one view per 2 px,
+/// rounded up to a power of 2, between `fewest_views` and `most_views_by_itself`. docs/motion.md states the
+/// error of such images.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Adds one band of an instant's image, multiplied by `share`, to `sum`. Adds `share` to `weight`. Pixels
-/// with a nonzero entry in `hidden` are skipped.
+/// Adds a band of an image, multiplied by `share`, to `sum`, and adds `share` to `weight`. Skips pixels with
+/// a nonzero entry in `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -30,8 +30,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The record at the upper left corner of a pixel is stored with this pixel, and those at its other corners
-// with its right, lower and lower right neighbours.
+// The records at the four corners of a pixel are stored with this pixel and with its right, lower and lower
+// right neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

@@ -15,13 +15,13 @@ namespace postlens {
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Sets each pixel over which nothing moves (`touched` is 0) to a weighted mean of the images of all recorded
-/// instants, because shadows and lights may move over static surfaces. `shares` contains the weight of each
-/// instant, which is its share of the exposure.
+/// Replaces each pixel over which nothing moves (`touched` is 0) by a weighted mean of the images of all
+/// recorded instants, because shadows and lights may move over static surfaces. `shares` contains the weight
+/// of each instant, which is its share of the exposure.
 ///
-/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. Where such an object hides
-/// the static surface at an instant, this instant does not count. A pixel in which no instant counts does not
-/// change.
+/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. An instant is left out of
+/// the mean in pixels that show such an object at this instant. A pixel in which all instants are left out
+/// does not change.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

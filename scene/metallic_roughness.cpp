@@ -17,8 +17,8 @@ Material whitted_material(const MetallicRoughness& from) {
         m.transmission = dvec3(through);
         return m;
     }
-    // Below this roughness, lobes are narrower than a pixel. Reflection and refraction then have exact
-    // directions.
+    // Below this roughness, lobes are narrower than a pixel, so reflection and refraction are treated as
+    // perfectly specular.
     constexpr double smoothest = 0.02, largest_exponent = 1e6;
     const double a = from.roughness * from.roughness, q = (1 - from.roughness) * (1 - from.roughness);
     const double ratio = (from.ior - 1) / (from.ior + 1);
@@ -44,7 +44,7 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, light passes straight through the surface, so transmission has no lobe.
+        // A surface with an alpha below 1 transmits light straight through, so transmission has no lobe.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -43,7 +43,7 @@ struct Sampler {
         return worst;
     }
 
-    // Adds the keyframes that are needed between a and b, and then b. a must have been added before.
+    // Appends the keyframes that are needed between a and b, and then b. The caller has already appended a.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

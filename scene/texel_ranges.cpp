@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// A rectangle with at most this many texels along each edge is read texel by texel. A larger rectangle is
-/// read in precomputed squares of texels, about this many along an edge.
+/// A rectangle of up to this many texels along each edge is read texel by texel. A larger one is read in
+/// squares of texels whose ranges are precomputed, about this many along an edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -61,8 +61,8 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the smallest squares of which the rectangle spans at most `most_across` along each edge. Level 0
-    // means single texels.
+    // Finds the smallest size of squares at which the rectangle spans at most `most_across` squares along
+    // each edge. Level 0 means single texels.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

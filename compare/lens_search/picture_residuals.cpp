@@ -20,8 +20,8 @@ constexpr int levels = 256;
 /// aperture.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Number of images in the cache: the images of two lenses and, for each lens, the four images from which the
-/// derivatives are computed.
+/// Number of images in the cache: for each of two lenses, the blurred image and the four images from which
+/// its derivatives are computed.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {

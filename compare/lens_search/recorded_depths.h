@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The range of inverse depths (1/m) of the directly visible surfaces in each pixel, including those on its
-/// border. There is one entry per pixel, row by row.
+/// Range of inverse depths (1/m) of the directly visible surfaces in each pixel and on the pixel's border.
+/// There is one entry per pixel, row by row.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
     std::vector<float> nearest_per_m, farthest_per_m;  ///< largest and smallest; 0 where nothing was hit

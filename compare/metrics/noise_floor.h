@@ -18,8 +18,8 @@ struct NoisyError {
     /// Upper bound of the root mean square of the bias of the estimate. The bias arises because the sRGB
     /// encoding shifts the mean of noisy values.
     double bias_rms = 0;
-    /// Ends of the interval for the root mean square error of the image. They are two standard errors below
-    /// and above the estimate, and further apart by `bias_rms` on either side.
+    /// Ends of the confidence interval for the root mean square error of the image. They are two standard
+    /// errors below and above the estimate, and the interval is widened by `bias_rms` on either side.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
     /// Returns true if the interval includes zero. In this case the error is only known to be at most

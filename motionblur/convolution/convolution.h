@@ -1,5 +1,5 @@
-// Blurs the raster of a moving object by convolving it with the raster of its path: i1 * i2 in
-// [potmesil1983].
+// Blurs a moving object by convolving its image with the image of its path [potmesil1983]. Each cell of the
+// path's image contains the fraction of the exposure that the path spends in this cell.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-// The input of a convolution: the nonzero parts of i1 (raster of an object) and i2 (raster of its path), and
+// The input of a convolution: the nonzero parts of an object's image (i1) and of its path's image (i2), and
 // the window of the result.
 #pragma once
 

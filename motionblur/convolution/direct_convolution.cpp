@@ -15,7 +15,7 @@ namespace {
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of terms that are summed as floats before their sum is added to a double. Such short sums keep the
+/// Number of products that are summed in single precision before the sum is added to a double. This keeps the
 /// rounding error below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
 /// Time for a run of equal weights, in multiples of the time for a single cell. A run of more cells than this
@@ -125,9 +125,9 @@ struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// The contribution of a run of path cells with equal weight: `weight` times the difference of two running
-/// sums of the object's values. `high` and `low` are the offsets of these sums from the position of the
-/// output tile.
+/// The contribution of a run of path cells with equal weight: `weight` times the sum of consecutive values of
+/// the object. This sum is the difference of two prefix sums, whose offsets from the position of the output
+/// tile are `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -136,8 +136,8 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster. Its contributions are the ranges [cells_begin, cells_end) of Terms::cells and
-/// [runs_begin, runs_end) of Terms::runs.
+/// A row of the path's raster, with the terms of its cells and runs: the ranges [cells_begin, cells_end) of
+/// Terms::cells and [runs_begin, runs_end) of Terms::runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -190,8 +190,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // A task processes 64 rows of a column of tiles from top to bottom. Successive tiles read mostly the
-        // same rows of the object's raster, which therefore stay in the cache.
+        // Each task computes a block of 64 x 64 cells, row by row. Successive rows read mostly the same rows
+        // of the object's raster, which therefore stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -262,8 +262,7 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // The tile reads columns [x - end + 1, x + tile - begin) of this row of the object's raster. If
-            // these are all 0, the row adds nothing.
+            // Skips this row if all values that the tile would read from the object's raster are 0.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -326,8 +325,8 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of values of the object's raster that one term reads: the nonzero columns of each row, plus one
-    // tile, because tiles are read as a whole.
+    // Number of values of the object's raster that are read for each cell of the path. Tiles are read as a
+    // whole, so each row is read up to one tile beyond its nonzero columns.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

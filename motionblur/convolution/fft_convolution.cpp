@@ -22,14 +22,14 @@ struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Ranges of cells along one axis. [s0, s1) is the source, [p0, p1) the path, and [o0, o1) the result.
+/// Ranges of cells along one axis: [s0, s1) of the object's raster, [p0, p1) of the path's raster, and [o0,
+/// o1) of the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
 /// Returns the smallest size of a transform that computes the cells [x0, x1) of the result without
-/// wrap-around. Only the cells [a, b) of the source contribute to them. Convolved with the path, these cells
-/// cover [a + p0, b + p1 - 1).
+/// wrap-around. Only the cells [a, b) of the object's raster contribute to this part of the result.
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -270,9 +270,9 @@ class FftConvolution {
         }
     }
 
-    /// Copies the part of the object's raster that contributes to a block of the result. The block's first
-    /// cell is stored at position 0, and positions are modulo the transform's size. Returns whether all
-    /// copied values are at least 0.
+    /// Copies the part of the object's raster that contributes to a block of the result. Positions are
+    /// relative to the block's first cell, modulo the transform's size. Returns whether all copied values are
+    /// at least 0.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -1,4 +1,4 @@
-// Reads rows of a sample file, and finds the quadtree leaves and surfaces of each pixel from the records.
+// Reads rows of records, and finds the surfaces in the quadtree leaves into which each pixel is divided.
 #pragma once
 
 #include <functional>

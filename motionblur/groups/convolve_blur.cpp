@@ -16,8 +16,9 @@ namespace {
 /// weighted sums over the pixel's samples.
 struct Between {
     std::array<double, 3> colour{};
-    /// `covered` is the total weight of the samples that show a static surface in this interval of depth.
-    /// `known` is the total weight of the samples that have a record in this interval or behind it.
+    /// The coverage by these surfaces is covered / known. `covered` is the total weight of the samples that
+    /// show a static surface in this interval, and `known` that of the samples with a record in it or behind
+    /// it.
     double covered = 0, known = 0;
 };
 
@@ -63,8 +64,7 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Replaces light from an unrecorded background by the colours of the farthest static surfaces around the
-    // pixel.
+    // Fills the unrecorded background of a pixel with the colours of the farthest static surfaces around it.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -108,7 +108,8 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Interval of depth of the previous static surface of this sample; between.size() if there is none.
+        // Index of the interval of depth that contains this sample's previous static surface. The initial
+        // value means that there is none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -119,8 +120,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of groups that are nearer than the surface. depths_ contains the inverse depths of the
-            // groups in descending order.
+            // Number of moving groups in front of the surface. depths_ contains their inverse depths in
+            // descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -180,9 +181,9 @@ class Composite {
 };
 
 /// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels. The light is assumed to be at most 1. Let c be the share of the
-/// exposure during which a group covers a pixel. The variance of its coverage is then c (1 - c), and the
-/// variance of its light is at most c.
+/// group's light, summed over pixels. It is the product of bounds of the two variances. A group that covers a
+/// pixel for a fraction c of the exposure has a coverage with variance c (1 - c). The variance of its light
+/// is at most c if the light is at most 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

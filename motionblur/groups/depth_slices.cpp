@@ -13,16 +13,15 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. A surface between two
-/// slices is drawn into both, so the ends of its blur are inaccurate over at most this length. A smaller
-/// value does not increase the measured PSNR.
+/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. It limits the error
+/// at the ends of the blur, because a surface between two slices is drawn into both. A smaller value does not
+/// increase the measured PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. It is computed from
 /// the corners that show the moving group.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-    // Mean slope of the two sides of the quadtree leaf along an axis. A side with an unknown corner is left
-    // out.
+    // Mean slope along two opposite sides of the leaf. A side counts only if both of its ends show the group.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
         int known = 0;
@@ -116,10 +115,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area is max(0, 1 + v), where v is the sum of rate * position over the axes. v is assumed
-    // to be distributed uniformly between `low` and `high`, so the mean of the area is (1 + high)^2 / (2
-    // (high - low)). The line 1 - v / low, which is 0 at v = low, has the mean (1 - high / low) / 2. `area`
-    // is the ratio of the two means.
+    // v is the sum of rate * position over the axes, and lies between `low` and `high`. The projected area
+    // max(0, 1 + v) is approximated by area * (1 - v / low), which is linear in v and 0 at v = low. Both
+    // functions have the same mean over the range of v.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -135,7 +133,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves. One Piece is stored for each of these leaves.
+    // A record is a corner of about four quadtree leaves. For each of these leaves, it needs one Piece.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

@@ -14,14 +14,13 @@ inline constexpr int most_slices = 64;
 /// Returns the number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Measures the error of treating a group as one opaque surface. Parts at different depths move differently,
-/// so they may separate or overlap. Returns the largest total area of such gaps and overlaps, as a fraction
-/// of the area in which the group was recorded. Parts that move apart by less than 0.5 px do not count.
+/// Measures the error of drawing a group as one opaque surface, although its parts move differently if their
+/// depths differ. Returns the largest total area of gaps and overlaps between parts, as a fraction of the
+/// group's recorded area. Parts that move apart by less than 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction in which a moving group's path extends. `low_px` and `high_px` are the smallest and largest
-/// position of the path along this direction.
+/// A direction on the raster. A moving group's path extends from `low_px` to `high_px` along it.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
@@ -46,27 +45,26 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice while it moves. They change linearly with the position on
-/// each axis of the path. At time t, the slice is `flat` plus, for each axis a, stretched[a] * (dot(path(t),
-/// a.direction) - a.low_px).
+/// Red, green, blue and coverage of a depth slice. They change linearly while the slice moves: at a
+/// displacement p along the path, they are `flat` plus, for each axis a, stretched[a] * (dot(p, a.direction)
+/// - a.low_px).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
 };
 
 /// Slices at uniformly spaced inverse depths, from the farthest to the nearest. A surface between two slices
-/// is drawn into both with linear weights. The sum of all slices is therefore the group.
+/// is drawn into both, with linear weights that sum to 1.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is the result of the function
-    /// across_per_px (sample_surfaces.h): the size of a pixel as the tangent of a viewing angle, or in m for
-    /// an orthographic camera.
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width of a pixel at a
+    /// distance of 1 m, in m. For an orthographic camera, it is the width at any distance.
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the factor by which the path of the whole group is multiplied to obtain the path of slice k.
+    /// Returns the scale of the path of slice k relative to the path of the group.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     /// Returns the window that all slices share. It consists of the cells that contain the group at the

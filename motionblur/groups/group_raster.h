@@ -22,8 +22,7 @@ struct GroupPicture {
     }
 };
 
-/// Returns the number of cells per px for a group. Short paths need finer cells, and so do paths that are not
-/// parallel to an axis.
+/// Returns the number of raster cells per px for a group. Short or slanted paths need more cells.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
 /// Returns the window of the cells that may contain a moving group's records, clipped to the rows and columns
@@ -31,9 +30,9 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. The quarter lies at one of
-/// the leaf's corners. `share` is the fraction of each cell's area that it covers. The sizes of leaves and
-/// cells are powers of 2, so a quarter either covers whole cells or lies within one cell.
+/// The raster cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. The sizes of leaves
+/// and cells are powers of 2. A quarter therefore covers either whole cells (`share` is 1) or the fraction
+/// `share` of a single cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -45,9 +44,9 @@ struct QuarterCells {
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows moving group g in at least one
-/// corner. `surfaces` contains the group's surface at each of the four corners, or nullptr (surface_of). Only
-/// leaves in `window` are visited, which is the result of group_window.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g in at least one
+/// corner. `surfaces` contains the group's nearest surface in each corner, or nullptr. `window` is the result
+/// of group_window.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {

@@ -13,13 +13,12 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the group's records, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points that move along `path`. If the group has parallax, a point of
-    /// another inverse depth d moves along `path` multiplied by d / path_inverse_z. Without parallax, all
-    /// points move along `path`.
+    /// Inverse depth, in 1/m, of the points that move along `path`. If the group has parallax, displacements
+    /// are proportional to the inverse depth. Otherwise, all points move along `path`.
     double path_inverse_z = 0;
     bool has_parallax = false;
-    /// Displacement from the recorded position, in px, from the opening to the closing of the shutter. It is
-    /// linear in time between the points.
+    /// The group's displacement from its recorded position, in px, while the shutter is open. It changes
+    /// linearly in time between these points.
     std::vector<PathPoint> path;
     std::size_t points = 0;        ///< number of the path's points before it was fitted
     std::size_t fitted_knots = 0;  ///< number of knots of the fitted path; 0 if the path is not fitted
@@ -32,9 +31,9 @@ struct MovingGroup {
 /// farthest point. It is 0 without parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups all moving objects that share a path, and sorts the groups from near to far. Objects share a path
-/// if their displacements agree within 0.02 px at all times. Objects with parallax share a path if they
-/// overlap in depth and their displacements agree at equal depths.
+/// Groups the moving objects whose displacements agree within 0.02 px at all times, and sorts the groups from
+/// near to far. Objects with parallax form a group if they overlap in depth and their displacements agree
+/// after scaling to the same depth.
 ///
 /// If `fit_px` is given, each path is replaced by a spline of few knots that stays within `fit_px` of the
 /// path (`fit_path`). Throws Error(wrong_arguments) for an object that passes the camera, because it has no

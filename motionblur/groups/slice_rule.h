@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// Bounding box, in raster px, of the area over which a group moves. It includes the recorded position.
+/// Bounding box, in raster px, of the area over which a group moves, including its recorded position.
 struct PassedBox {
     glm::dvec2 low_px{0}, high_px{0};
 };

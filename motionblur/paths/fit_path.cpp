@@ -59,7 +59,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
     // The unknowns are the offsets of the four control points from evenly spaced points on a straight line.
-    // An offset that the points do not determine stays 0.
+    // Regularisation keeps an offset at 0 if the points do not determine it.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -142,8 +142,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the times of the knots of `count` segments. They are distributed like the given segments: new
-/// segments are short where the given segments are short.
+/// Returns the times of the knots of a path with `count` segments. Knots are dense where the given segments
+/// are short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -156,8 +156,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots at the ends of the segments. If the velocity changes abruptly between two
-/// points, a short segment lies there between two long ones. It is replaced by a single knot.
+/// Returns the times of the knots at the ends of the segments. Where the velocity changes abruptly, there is
+/// a short segment between two long ones. A single knot replaces this short segment.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -166,7 +166,6 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // The knot lies halfway between the first two points of the short segment.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -216,8 +215,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimated lower limit of the number of segments. It is the number of cubics that follow the points if
-    // they need not join and may deviate by twice the tolerance.
+    // Estimate of the smallest possible number of segments: the number of cubics that follow the points
+    // within twice the tolerance if they need not join.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

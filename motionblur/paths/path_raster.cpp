@@ -17,8 +17,8 @@ using glm::dvec2;
 /// thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells, plus 0.5, so that cell i contains the
-/// positions from i to i + 1.
+/// A piece of a path with constant velocity. Positions are in cells and shifted by half a cell, so that cell
+/// i covers the positions [i, i + 1).
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
@@ -112,7 +112,8 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // The exposure is a single instant, so the path stays at its first point at or after this instant.
+        // The exposure is a single instant, so only one point of the path is used: the first one at or after
+        // this instant, or the last one of the path.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -222,10 +223,9 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path is in the current cell from `before` to `at`, where it crosses the cell's border. The
-            // light of this time is multiplied by the path's value at the middle of it, which is exact if the
-            // shutter's transmission is constant. If rounding makes `at` smaller than `before`, no light is
-            // added.
+            // The path is in the current cell between the fractions `before` and `at` of the piece. The light
+            // of this part is multiplied by the value at its middle, which is exact if the shutter's
+            // transmission is constant. If rounding makes `at` smaller than `before`, no light is added.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

@@ -1,4 +1,4 @@
-// The raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the share of the
+// The image of a path over the exposure (i2 in [potmesil1983]). Each cell contains the fraction of the
 // exposure's light that arrives while the path is in this cell.
 #pragma once
 

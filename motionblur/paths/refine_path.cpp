@@ -11,8 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first round of least squares. After each round, the point with the
-/// largest error in each segment is added.
+/// Number of points per segment in the first round of least squares. Each later round adds the point with the
+/// largest error of each segment.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
@@ -37,7 +37,8 @@ struct Distance {
     }
 };
 
-/// Loss function. Up to the tolerance it is the square of the residual, and above it the fourth power.
+/// Loss function. It grows with the square of the residual up to the tolerance, and with the fourth power
+/// above it.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,

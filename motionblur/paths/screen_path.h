@@ -17,8 +17,8 @@ inline constexpr std::size_t most_knots = 100'000;
 /// seconds.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the number of points that `flatten` returns. If this is too few for the tolerance,
-/// the error exceeds the tolerance.
+/// Approximate limit of the number of points that `flatten` returns. If the tolerance needs more points, the
+/// error exceeds the tolerance.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
@@ -73,8 +73,8 @@ class ScreenPath {
 /// `breaks_s` contains, in increasing order, the instants at which the velocity may change abruptly. There
 /// are at least 16 pieces, and at least two between neighbouring breaks.
 ///
-/// A piece is tested at five unevenly spaced instants. It is halved, at most 20 times, until it agrees with
-/// the function there. `at` must return finite positions. The result is deterministic.
+/// A piece is halved, at most 20 times, until it agrees with the function at five unevenly spaced instants.
+/// `at` must return finite positions. The result is deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// If a smaller share of the image is static, static pixels are not used as the background of moving pixels.
+/// Smallest share of static pixels from which the background behind moving pixels is interpolated.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,9 +29,8 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// `exact_px` is the largest error of a reprojected position. `overlap_px` is the overlap of neighbouring
-/// patches, which are planar parts of the image. The overlap is too small to reach a sample position in the
-/// neighbouring pixel.
+/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image).
+/// The overlap is too small to reach a sample position in the neighbouring pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -77,8 +76,7 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 
 /// Returns an image of the background, which is used where no view shows a surface. `weight` is 1 for static
 /// pixels and 0 for moving pixels, whose background is interpolated from the static pixels around them. If
-/// `weight` is empty, the background is the mean of the views. Pixels in which no view shows a surface are
-/// then interpolated from the pixels around them.
+/// `weight` is empty, the background is the mean of the views, interpolated where no view shows a surface.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

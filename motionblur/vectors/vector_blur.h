@@ -9,7 +9,7 @@ namespace postlens {
 struct VectorBlurSettings {
     Exposure exposure;  ///< in frames: 0 is the instant of the image, and 1 that of the next frame
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, it is chosen from the longest displacement.
+    /// Number of instants, 1..most_views. If absent, it is chosen from the largest displacement of a pixel.
     std::optional<int> views;
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };

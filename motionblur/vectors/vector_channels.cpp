@@ -20,9 +20,8 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
-                                // (Z, W) is the position in this frame minus the position in the next frame,
-                                // and W points upwards. To obtain the motion to the right and down, only Z is
-                                // negated.
+                                // (Z, W) points from the position in the next frame to that in this frame,
+                                // where W points up. Negating only Z yields the motion to the right and down.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -44,8 +43,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // The part of the file that contains the colours comes first, then parts of the same stereo view,
-        // then all others.
+        // Prefers the part that contains the colours, then parts of the same stereo view, then all others.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

@@ -192,7 +192,7 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= ForeignDepths::nothing_z ? 0 : 1 / z;
         } else {
-            // Without depth, faster pixels count as nearer: this value increases with the speed.
+            // Without depth, faster pixels count as nearer: the inverse depth increases with the speed.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

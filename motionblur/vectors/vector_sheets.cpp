@@ -37,8 +37,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Bytes that sheets and patches need for each stored pixel. Twice this amount is required, because
-        // growing arrays reserve more than they use.
+        // Number of bytes that sheets and patches need per stored pixel. Twice this amount must be available,
+        // because growing arrays reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -60,8 +60,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share these
-    /// cells.
+    /// Adds one black square of edge x edge px. All squares without stored pixels share its cells.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -114,8 +113,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is a connected set of pixels that all move or are all static. Their depths are close to the
-        // depth of the first pixel.
+        // A sheet is a connected set of pixels. Either all of them move or all are static, and their depths
+        // are close to the depth of the first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];

@@ -31,9 +31,9 @@ std::string one_line(const json::exception& error) {
     return text.substr(0, 200);
 }
 
-// Checks the nesting depth and the number of values before parsing. Counts brackets, commas and colons
-// outside strings. A parser callback would be slow, because the parser scans the whole array again for each
-// element.
+// Checks the nesting depth and the number of values before parsing, by counting brackets, commas and colons
+// outside strings. A callback of the parser would be slow, because after each element of an array, the parser
+// scans the whole array again.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
     std::size_t values = 0;

@@ -54,7 +54,7 @@ Material MeshMaterials::read(const aiMaterial& from, const MaterialPictures& pic
     const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR),
                metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
     int illum = 2;
-    // The key under which assimp's MTL reader stores `illum`. assimp has no named constant for it.
+    // assimp has no named constant for the key under which its MTL reader stores `illum`.
     (void)from.Get("$mat.illum", 0, 0, illum);
 
     if (roughness || metallic) {

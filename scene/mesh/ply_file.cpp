@@ -44,8 +44,8 @@ std::optional<std::array<std::size_t, count>> places_of(
     return out;
 }
 
-// Returns the stored value that means a colour of 1. A 32-bit integer is treated as a byte stored in a wider
-// type.
+// Returns the stored value that means a colour of 1. Files with 32-bit integers are assumed to use only the
+// range of a byte.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;
@@ -165,8 +165,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element, such as one vertex or one face. Stores its scalars, by index of the
-    // property, and those of its lists that are used.
+    // Reads one instance of an element, such as one vertex or one face. Stores its scalars by index of the
+    // property, and those of its lists that are in `kept_lists_`.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -276,8 +276,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The two lists of a face that are used: its corners and its texture coordinates. `kept_lists_` contains
-    // the indices of their properties, and `lists_` their entries.
+    // The lists of a face that are kept: its corners and its texture coordinates. `kept_lists_` contains the
+    // indices of the properties, and `lists_` the values.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;
