@@ -282,9 +282,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each lens was fitted to a different set of pixels. To make the errors of the fits comparable, each
-    // error is divided by the contrast of the image in the same pixels (`spread`, RMS difference from the
-    // median tone).
+    // Each lens was fitted to a different set of pixels. To make the errors comparable, each one is divided
+    // by `spread`, the RMS difference of the image from its median tone in these pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -33,14 +33,15 @@ struct FieldBlur {
     std::vector<double> instant_shares;
 };
 
-/// Bit of PatchPicture::touched. It is set in pixels over which an object of `wanted_ids` lies in the records
-/// or in a view, that is, at an instant of the exposure.
+/// Bit of PatchPicture::touched. It is set in pixels that an object of `wanted_ids` covers in the records or
+/// in a view, and in pixels in which a view sees something that is not recorded.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Averages views at instants that are distributed like the shutter's transmission. A view blends the records
-/// of the recorded instants just before and after it, reprojected to the instant of the view. Each view has
-/// its own sample position in the pixel. Objects whose kind in `ids` is `still` are not moved, even if their
-/// recorded positions differ. Only tiles over which an object of `wanted_ids` (sorted) may pass are computed.
+/// Averages views (reprojected images) at instants that are distributed like the shutter's transmission. A
+/// view blends the records of the recorded instants just before and after it, reprojected to the instant of
+/// the view. Each view has its own sample position in the pixel. Objects whose kind in `ids` is `still` are
+/// not moved, even if their recorded positions differ. Only tiles over which an object of `wanted_ids`
+/// (sorted) may pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,

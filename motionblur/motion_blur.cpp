@@ -290,8 +290,8 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so no static pixel shows the background that they uncover.
-            // The views show it instead. For this, the views of the whole image are needed, not only those of
+            // Moving objects cover every pixel, so no static pixel shows the background behind them. It is
+            // filled from the views instead, which requires the views of the whole image, not only those of
             // the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);

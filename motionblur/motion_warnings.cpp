@@ -173,10 +173,9 @@ class ShadowTest {
     }
 
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
-    /// Whether there are lights and something that moves.
+    /// Returns whether there are lights and moving objects.
     [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
-    /// Returns the sorted ids of the objects whose shading changes because they turn or move relative to a
-    /// light.
+    /// Returns the sorted ids of objects whose shading changes because they turn or move past a light.
     [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }
     [[nodiscard]] bool operator()(const Record& r) const {
         if (r.id == 0 || std::isinf(r.z)) return false;

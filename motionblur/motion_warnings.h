@@ -50,16 +50,16 @@ class UnseenMotion {
 /// affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts off an object at any time of the exposure. The object
-/// is not cut off at a time if it is whole in the records of the frame's time, or of the recorded instant
-/// just before or after. `instants` contains the bounding boxes of the objects at the recorded instants that
-/// may be used, beginning with the frame's time.
+/// Returns whether the border of the recorded area cuts off an object at any time t of the exposure. The
+/// object is not cut off at t if it is whole in the records of the frame's time, or of the recorded instant
+/// just before or after t. `instants` contains the bounding boxes of the objects at the recorded instants
+/// that may be used, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
 /// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (`is_cut`).
-/// Objects that lightfield blurs are not tested if the camera moves. Otherwise, all recorded instants are
-/// used for them. For other objects, only the first recorded instant is used.
+/// Objects that lightfield blurs are tested with all recorded instants, but only if the camera does not move.
+/// Other objects are tested with the records of the frame's time only.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

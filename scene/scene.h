@@ -38,9 +38,9 @@ struct Material {
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
     /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction. Infinity
-    /// means that there is only the exact direction. The tracer records the mean radiance over a lobe that is
-    /// wider than the lens (tracer/shading_trees/lobe_means.h). If the lobe is narrower, the tracer follows
-    /// the exact direction.
+    /// means that there is only the exact direction. If a lobe is wider than the lens as seen from the
+    /// surface, the tracer records the mean radiance over the lobe (tracer/shading_trees/lobe_means.h).
+    /// Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};

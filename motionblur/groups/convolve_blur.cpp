@@ -16,9 +16,8 @@ namespace {
 /// weighted sums over the pixel's samples.
 struct Between {
     std::array<double, 3> colour{};
-    /// The coverage by these surfaces is covered / known. `covered` is the total weight of the samples that
-    /// show a static surface in this interval, and `known` that of the samples with a record in it or behind
-    /// it.
+    /// The coverage of the pixel is covered / known: the weight of the samples that show a static surface in
+    /// this interval, divided by the weight of the samples that have a record in it or behind it.
     double covered = 0, known = 0;
 };
 
@@ -108,8 +107,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Index of the interval of depth that contains this sample's previous static surface. The initial
-        // value means that there is none.
+        // Index of the interval of depth with the previous static surface of this sample; initially none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -120,8 +118,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of moving groups in front of the surface. depths_ contains their inverse depths in
-            // descending order.
+            // Number of moving groups in front of the surface. depths_ contains their inverse depths,
+            // descending.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -

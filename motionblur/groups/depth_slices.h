@@ -1,4 +1,4 @@
-// Divides a moving group with parallax into depth slices. Each slice has its own raster and its own path.
+// Divides a moving group of objects with parallax into depth slices. Each slice has its own raster and path.
 #pragma once
 
 #include <glm/glm.hpp>
