@@ -267,9 +267,8 @@ std::string chart_markdown(const ChartData& data) {
     }
     out += fmt::format("\n{:.0f} % of the pixels are affected.", 100 * data.affected_share);
     if (data.noise_rms)
-        out += fmt::format(
-            " The reference, which took {:.3g} s, has a PSNR of {:.1f} dB itself, from its noise.",
-            data.reference_s, -20 * std::log10(*data.noise_rms));
+        out += fmt::format(" The reference took {:.3g} s. Its own noise corresponds to a PSNR of {:.1f} dB.",
+                           data.reference_s, -20 * std::log10(*data.noise_rms));
     if (data.record_floor)
         out += fmt::format(
             " The pinhole picture made from the records has {} dB against the pinhole picture made by "

@@ -83,7 +83,7 @@ std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);
     if (e.result.named_share) {
-        out += fmt::format("; {:.0f} % of the squared error has the cause {}", 100 * *e.result.named_share,
+        out += fmt::format("; {:.0f} % of the squared error is attributed to {}", 100 * *e.result.named_share,
                            e.what.cause);
     }
     return out;
