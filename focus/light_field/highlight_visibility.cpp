@@ -136,8 +136,9 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
         const auto of_cell = [edge](std::size_t i) {
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
-        // The views are visited in the order of their distances from the row, until all others are farther
-        // from the row than the views found are from the cell.
+        // Views are visited in the order of their distances from this row of cells. The search for the views
+        // nearest to a cell ends when all other views are farther from the row than those found are from the
+        // cell.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {
