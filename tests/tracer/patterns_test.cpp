@@ -285,6 +285,21 @@ TEST(CornersAndPatterns, AShadowBetweenCornersIsFoundBesideAnEdge) {
     for (const Record& r : band.records) EXPECT_FALSE(r.x == 30.5F && r.y == 20.5F);
 }
 
+// Only the first of the small shadows lies beside a pixel that corners divide. The others continue it, as the
+// shadow of a post does on the ground.
+TEST(CornersAndPatterns, ShadowsBetweenCornersAreFollowedAlongTheRow) {
+    const Scene row = spotted_wall(
+        {{32.5, 20.5, 1}, {30.5, 20.5, 0.45}, {29.5, 20.5, 0.45}, {28.5, 20.5, 0.45}, {27.5, 20.5, 0.45}});
+    TraceSettings settings;
+    settings.subdivision.levels = 1;
+    const TracedFrame frame(row, settings);
+    const Image picture = frame.file().picture();
+    // Only the centre of each pixel is in shadow. It belongs to a corner of each of four cells, so it counts
+    // as a quarter of the pixel.
+    const double lit = *picture.pixel(20, 20), black = 1 - *picture.pixel(32, 20) / lit;
+    for (const int x : {27, 28, 29, 30}) EXPECT_NEAR(1 - *picture.pixel(x, 20) / lit, black / 4, 0.02) << x;
+}
+
 // A checkered floor whose cells become arbitrarily small towards the horizon. If only the corners' colours
 // decided, the result would be 28 dB at any level. Four levels are 256 samples per pixel.
 TEST(CornersAndPatterns, ACheckeredFloorIsKnownAsWellAsItIsDivided) {

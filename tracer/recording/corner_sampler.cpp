@@ -214,31 +214,44 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. A small object may lie between all corners of a pixel, most often
-    // near an edge. If a pixel has a divided neighbour in its row, its centre is therefore compared with its
-    // corners too.
+    // Returns the pixels that are divided. A small object or a narrow shadow may lie between all corners of a
+    // pixel, most often near an edge. If a pixel has a divided neighbour in its row, its centre is therefore
+    // compared with its corners too. If the centre divides the pixel, its own neighbours are compared as
+    // well, so that a narrow shadow is followed along the row.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
+        const int columns = grid_.columns - 1;
+        std::vector<std::vector<bool>> decided(cells.size());
         parallel_for(cells.size(), [&](std::size_t r) {
-            const int row = static_cast<int>(r), columns = grid_.columns - 1;
-            std::vector<bool> divided(static_cast<std::size_t>(columns) + 2, false);
+            decided[r].resize(static_cast<std::size_t>(columns));
             for (int x = 0; settings_.levels > 0 && x < columns; ++x) {
-                const CornerCell c = pixel(x, row, y_begin);
+                const CornerCell c = pixel(x, static_cast<int>(r), y_begin);
                 if (!cells_.splits(c)) continue;
                 cells[r].push_back(c);
-                divided[static_cast<std::size_t>(x) + 1] = true;
-            }
-            for (int x = 0; x < columns; ++x) {
-                const auto i = static_cast<std::size_t>(x) + 1;
-                if (divided[i]) continue;
-                const CornerCell c = pixel(x, row, y_begin);
-                if (divided[i - 1] || divided[i + 1])
-                    beside[r].push_back(c);
-                else
-                    cells_.mark_leaf(c, marks_[r]);
+                decided[r][static_cast<std::size_t>(x)] = true;
             }
         });
-        compare_centres(beside, cells);
+        std::vector<std::size_t> first_new(cells.size(), 0);
+        do {
+            parallel_for(cells.size(), [&](std::size_t r) {
+                beside[r].clear();
+                for (std::size_t& k = first_new[r]; k < cells[r].size(); ++k) {
+                    const auto column = static_cast<int>(grid_.to_pixels(cells[r][k].x));
+                    for (const int x : {column - 1, column + 1}) {
+                        if (x < 0 || x >= columns || decided[r][static_cast<std::size_t>(x)]) continue;
+                        decided[r][static_cast<std::size_t>(x)] = true;
+                        beside[r].push_back(pixel(x, static_cast<int>(r), y_begin));
+                    }
+                }
+            });
+            compare_centres(beside, cells);
+        } while (std::any_of(beside.begin(), beside.end(), [](const auto& row) { return !row.empty(); }));
+        parallel_for(cells.size(), [&](std::size_t r) {
+            for (int x = 0; x < columns; ++x) {
+                if (!decided[r][static_cast<std::size_t>(x)])
+                    cells_.mark_leaf(pixel(x, static_cast<int>(r), y_begin), marks_[r]);
+            }
+        });
         return cells;
     }
 

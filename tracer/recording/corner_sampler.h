@@ -36,7 +36,8 @@ struct SampledWindow {
 /// - All its corners show the same part of a mesh, but the outline of another part crosses the cell in front
 /// of it (down to `edge_levels`).
 /// - Its corners are shadowed from different lights (down to `colour_levels`).
-/// - It is a pixel beside a divided pixel, and its centre differs from its corners by these criteria.
+/// - It is a pixel beside a divided pixel in its row, and its centre differs from its corners by these
+/// criteria.
 /// - A narrow object in `things` may lie in it (down to `levels`).
 ///
 /// The criteria of objects, contrast and shadows also apply to every hidden layer.
