@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -23,9 +24,14 @@ constexpr double seen_by_all_px = 0.5;
 /// within a square of the raster have a smaller total area than this, in px^2. sharp_px2 is the limit if
 /// nothing hides the highlights, small_px2 if they are reflected and partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Edges, in px, of the squares within which the highlights of one surface are merged. merged_px is used for
-/// highlights that are blurred by at least spread_from_px, and merged_sharp_px for all others.
-constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
+/// Largest edge, in px, of the squares within which the highlights of one surface are merged.
+constexpr float merged_px = 0.5F;
+/// How often this edge may be halved. The centres of the smallest squares, of 1/8 px, are multiples of 1/16
+/// px, to which the positions of kernels are rounded (KernelKey::phase_steps).
+constexpr int most_halvings = 2;
+/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The slope of the sRGB curve is 12.92
+/// there.
+constexpr double invisible = 0.5 / 255 / 12.92;
 /// Neighbouring moving highlights are merged within squares, which are larger if the streak of a highlight
 /// needs more instants. The squares are 1/8 px wide for up to moments_of_eighths instants, 1/4 px wide for up
 /// to moments_of_quarters, and merged_px wide beyond.
@@ -54,6 +60,20 @@ glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const gl
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
+}
+
+/// Returns how often merged_px is halved for a highlight that does not move, so that no error is visible if
+/// all light within one square is spread from one point.
+///
+/// Let a be the edge of the square, L the highlight's radiance, and A the area of its CoC. The square has the
+/// radiance L a^2 / A in the CoC. Its light is displaced by up to a / 2, and by a / 4 on the mean of the half
+/// that faces outwards, so a pixel that the rim of the CoC just reaches lacks up to a / 8 of this radiance.
+int halvings(const Highlight& h, double blur_px) {
+    const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
+                 side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
+    int out = 0;
+    while (out < most_halvings && std::ldexp(static_cast<double>(merged_px), -out) > side) ++out;
+    return out;
 }
 
 /// A part of an interval, and its share of the whole.
@@ -121,21 +141,23 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             double energy = 0;
             std::vector<SourcePart> parts;  ///< positions: raster px
         };
-        std::map<std::tuple<std::uint32_t, int, int>, Merged> merged;
+        std::map<std::tuple<std::uint32_t, int, int, int>, Merged> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = light_of(h.rgb);
-            float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
+            int halved = halvings(h, lens.least_blur_px(h.w));
             const SheetKey& key = mesh->sheets[h.sheet].key;
             if (motion != nullptr && motion->moves(key)) {
                 const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
                 if (is_first) known->second = motion->moments_wanted(h, key);
-                side = known->second <= moments_of_eighths    ? merged_px / 4
-                       : known->second <= moments_of_quarters ? merged_px / 2
-                                                              : merged_px;
+                halved = known->second <= moments_of_eighths    ? 2
+                         : known->second <= moments_of_quarters ? 1
+                                                                : 0;
             }
-            const auto [found, is_new] = merged.try_emplace(
-                {h.sheet, static_cast<int>(std::floor(h.x / side)), static_cast<int>(std::floor(h.y / side))},
-                Merged{h, energy, {}});
+            const auto square = [halved](float at) {
+                return static_cast<int>(std::floor(std::ldexp(at / merged_px, halved)));
+            };
+            const auto [found, is_new] =
+                merged.try_emplace({h.sheet, halved, square(h.x), square(h.y)}, Merged{h, energy, {}});
             auto& [sum, weight, parts] = found->second;
             parts.push_back({{h.x, h.y}, std::sqrt(h.area), (is_new ? 0 : parts.back().area_until) + h.area});
             if (is_new) continue;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "focus/responses/kernel.h"
 #include "planner/auto_picture.h"
 #include "planner/hybrid.h"
 #include "planner/views/halved_views.h"
@@ -312,6 +313,43 @@ TEST(LightsWithRays, ShowRoundLampsOfAFewRecordsAsBrightAsTheyAre) {
         ASSERT_TRUE(got.stated);
         EXPECT_LT(got.stated->bias_mse, 4e-6);
     }
+}
+
+// The rim of a highlight's circle of confusion shows how wide the highlight is. If all light of half a pixel
+// were spread from one point, the rim would be too sharp.
+TEST(LightsWithRays, SpreadALampFromAllOfItsArea) {
+    constexpr double px_per_m = 50 / (36.0 / 64), depth_m = 4, side_px = 0.5, blur_px = 5.75, f_number = 0.7,
+                     radiance = 4000, side_m = side_px / px_per_m * depth_m;
+    // The lamp has the centre (32.25, 24.25) px, so that the rim for its centre just reaches column 38.
+    SceneBuilder b;
+    b.add(board(0, side_m, -side_m, 0, depth_m), glowing(dvec3(radiance)));
+    b.scene.sha256 = std::string(64, 'a');
+    const double lens_radius_m = 0.05 / f_number / 2;
+    const Case c{"", f_number, 1 / (blur_px / (px_per_m * lens_radius_m) + 1 / depth_m)};
+    const TracedFrame frame(b.scene, traced_for(c));
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const Image got = hybrid_picture(frame.file(), s).focus.image;
+    constexpr int points = 32;
+    std::vector<double> expected(std::size_t{64} * 48);
+    for (int i = 0; i < points * points; ++i) {
+        const glm::dvec2 in_lamp = side_px / points * glm::dvec2(i % points + 0.5, i / points + 0.5);
+        const Kernel kernel = make_kernel(Ellipse::disc(blur_px), in_lamp.x, in_lamp.y, {32, 24});
+        for (std::size_t row = 0; row < kernel.rows.size(); ++row) {
+            for (int x = kernel.rows[row].x_begin; x < kernel.rows[row].x_end; ++x)
+                expected[(24 + static_cast<std::size_t>(kernel.y_begin) + row) * 64 + 32 +
+                         static_cast<std::size_t>(x)] += kernel.at(kernel.rows[row], x) / (points * points);
+        }
+    }
+    const double light = radiance * side_px * side_px,
+                 in_disc = light / (std::numbers::pi * blur_px * blur_px);
+    double largest = 0;
+    for (std::size_t k = 0; k < expected.size(); ++k)
+        largest = std::max(largest, std::abs(static_cast<double>(got.rgb[3 * k]) - light * expected[k]));
+    // The radius of the disc is right to 1/128 px. Light is displaced by up to 1/16 px, and by 1/64 px on the
+    // mean of those squares of 1/8 px that it moves away from a pixel. One of 64 views may show radiance
+    // of 1.
+    EXPECT_LT(largest, in_disc * (1.0 / 128 + 1.0 / 64) + 1.0 / 64);
 }
 
 // The variance of the highlights' light tells whether rays can show them. Where rays show them already, none
