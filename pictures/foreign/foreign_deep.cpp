@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfDeepTiledInputPart.h>
 #include <algorithm>
 
+#include "core/job.h"
 #include "core/memory.h"
 #include "pictures/foreign/foreign_file_impl.h"
 
@@ -26,6 +27,7 @@ class DeepBand {
     template <typename Input, typename Counts, typename Pixels>
     void read(Input& in, int y_begin, int y_end, const Counts& counts, const Pixels& pixels,
               const std::function<void(const DeepRows&)>& take) {
+        throw_if_interrupted();
         const auto width = static_cast<std::size_t>(part_.width());
         const std::size_t count = width * static_cast<std::size_t>(y_end - y_begin);
         require_memory(count * (sizeof(std::uint32_t) + channels_.size() * sizeof(float*)),

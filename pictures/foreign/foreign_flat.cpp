@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <future>
 
+#include "core/job.h"
 #include "core/memory.h"
-#include "core/threads.h"
 #include "pictures/foreign/foreign_file_impl.h"
 
 namespace postlens {
@@ -53,6 +53,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             if (y + rows <= p.data.y_max)
                 next = std::async(policy, [&, from = y + rows] { read_band(from, next_band); });
             for (int row = y; row <= std::min(y + rows - 1, p.data.y_max); ++row) {
+                throw_if_interrupted();
                 for (std::size_t c = 0; c < channels.size(); ++c)
                     values[c] = band.data() + c * plane + static_cast<std::size_t>(row - y) * width;
                 take(row, values);

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/job.h"
+#include "pictures/foreign/foreign_file.h"
 #include "pictures/image.h"
 #include "tests/pictures/foreign_files.h"
 
@@ -330,6 +332,31 @@ TEST_F(ForeignPictureTest, GreyAndNothingButAlpha) {
     EXPECT_EQ(p.stack(1, 1)[0].g, 0);
     EXPECT_EQ(p.stack(1, 1)[0].alpha, 0.5F);
     EXPECT_NE(refusal([&] { (void)read({{{{"U", even(1)}}}}); }).find("got channels U"), std::string::npos);
+}
+
+TEST_F(ForeignPictureTest, ReadingEndsWhenItsJobIsCancelled) {
+    const auto rows_before_the_end = [&](const std::string& path) {
+        const ForeignFile file(path);
+        const std::vector<std::string> channels{"R"};
+        Job job({.threads = 2});
+        const JobScope scope(job);
+        job.cancel();
+        int rows = 0;
+        try {
+            if (file.parts()[0].deep) {
+                file.read_deep(0, channels, [&](const DeepRows&) { ++rows; });
+            } else {
+                file.read_flat(0, channels, [&](int, std::span<const float* const>) { ++rows; });
+            }
+        } catch (const Error& e) {
+            EXPECT_EQ(e.code(), ExitCode::interrupted) << e.what();
+        }
+        return rows;
+    };
+    write_parts(in("flat.exr"), {{rgbz(1, 2)}});
+    write_deep_pixel(in("deep.exr"), {{1, 0.5F, 0.25F, 1, 2, 2}});
+    EXPECT_EQ(rows_before_the_end(in("flat.exr")), 0);
+    EXPECT_EQ(rows_before_the_end(in("deep.exr")), 0);
 }
 
 }  // namespace
