@@ -44,13 +44,14 @@ void take_closed_streams() {
 
 void report(const CommandResult& result, const ParsedCommand& command) {
     if (command.json) {
-        say(stdout, postlens::report_json(result).dump(2));
+        say(stdout, postlens::report_json(result));
     } else if (!command.quiet) {
         say(stdout, result.text);
     }
     // With --json, the warnings are part of the JSON, and standard error contains only errors.
     if (!command.json && !command.quiet) {
-        for (const auto& w : result.warnings) say(stderr, "postlens: warning: " + w.text);
+        for (const auto& w : result.warnings)
+            say(stderr, "postlens: warning: " + postlens::printable(w.text));
     }
 }
 

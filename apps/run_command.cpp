@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "core/memory.h"
@@ -29,11 +30,11 @@ CommandResult run_command(std::vector<std::string> words, const InProcess& in_pr
     return run_timed(command);
 }
 
-nlohmann::ordered_json report_json(const CommandResult& result) {
+std::string report_json(const CommandResult& result) {
     nlohmann::ordered_json json = result.json;
     json["peak_memory_bytes"] = peak_memory_bytes();
     json["warnings"] = warnings_json(result.warnings);
-    return json;
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace postlens

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,9 @@ namespace postlens {
 /// the open file `in_process.kept`, waits until that call ends.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
-/// Returns the JSON that `--json` prints. It contains the JSON of the result, the peak memory of the process,
-/// and the warnings.
-[[nodiscard]] nlohmann::ordered_json report_json(const CommandResult& result);
+/// Returns the JSON text that `--json` prints. It contains the JSON of the result, the peak memory of the
+/// process, and the warnings. Names of files, and names in files, need not be UTF-8, but JSON must be. Bytes
+/// that are not valid UTF-8 become U+FFFD.
+[[nodiscard]] std::string report_json(const CommandResult& result);
 
 }  // namespace postlens

@@ -145,7 +145,7 @@ Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept, bo
                 .report = {}};
     const CommandResult& r = out.result;
     out.report = {.exit_code = static_cast<ExitCode>(r.exit_code),
-                  .json = report_json(r).dump(2),
+                  .json = report_json(r),
                   .text = r.text,
                   .warnings = {},
                   .seconds = out.number("seconds")};

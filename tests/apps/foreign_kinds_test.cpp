@@ -120,6 +120,26 @@ TEST_F(ForeignKinds, LayersAreFoundByTheWordsOfTheirNames) {
     }
 }
 
+TEST_F(ForeignKinds, NamesMayHaveAnyBytes) {
+    const auto picture = [&](const std::string& depth) {
+        Plane{2,
+              1,
+              [](int, int) {
+                  return std::vector<float>{0.5F, 0.5F, 0.5F, 4};
+              },
+              {"R", "G", "B", depth}}
+            .write(in("names.exr"));
+    };
+    picture("caf\xE9.Z");  // Latin-1
+    EXPECT_EQ(done({"info", in("names.exr")}).at("colour").at("depth"), "caf\uFFFD.Z");
+    focus(in("names.exr"), {"--f-number", "2", "--focus", "2"});
+    EXPECT_TRUE(warned("caf\uFFFD.Z"));
+    picture("a\nb.Z");
+    const Outcome r = run({"image", in("names.exr"), "-o", in("o.exr")});
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_NE(r.err.find("warning: a?b.Z"), std::string::npos) << r.err;
+}
+
 TEST_F(ForeignKinds, DepthsMayBeInverse) {
     const Words lens{"--f-number", "1", "--focus", "2"};
     const Image wanted = focus(data("inverse_depth/distance"), lens);
