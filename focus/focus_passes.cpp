@@ -171,9 +171,9 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
              "--passes: not for a picture that the lens crops or magnifies (expected --framing keep)");
     }
     if (passes.cryptomatte && !picture.channels.matte) {
-        fail(ExitCode::wrong_arguments,
-             "--passes: cryptomatte: the picture has none (expected one in the file, "
-             "or --ids-file)");
+        const std::vector<std::string>& problems = picture.channels.problems;
+        fail(ExitCode::wrong_arguments, "--passes: cryptomatte: {} (expected one in the file, or --ids-file)",
+             problems.empty() ? "the picture has none" : problems.front());
     }
     const bool field = settings.method == FocusMethod::lightfield;
     if (passes.error && !field) {

@@ -61,8 +61,9 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
 }
 
 [[noreturn]] void fail_unknown(const ForeignPicture& picture, const ObjectChoice& choice) {
-    std::string expected = "an image file: the picture has no ids";
     const ForeignChannels& c = picture.channels;
+    std::string expected =
+        "an image file: " + (c.problems.empty() ? "the picture has no ids" : c.problems.front());
     if (c.matte) {
         expected = "a name of the Cryptomatte " + c.matte->name;
         const auto names = manifest_names(c.matte->manifest);

@@ -140,6 +140,25 @@ TEST_F(ForeignKinds, NamesMayHaveAnyBytes) {
     EXPECT_NE(r.err.find("warning: a?b.Z"), std::string::npos) << r.err;
 }
 
+TEST_F(ForeignKinds, ErrorsSayWhyACryptomatteIsNotUsed) {
+    Plane{2,
+          1,
+          [](int, int) {
+              return std::vector<float>{0.5F, 0.5F, 0.5F, 4, 1};
+          },
+          {"R", "G", "B", "Z", "crypto00.R"}}
+        .write(in("half.exr"));
+    for (const Words& option : {Words{"--passes", "cryptomatte"}, {"--holdout", "bar"}}) {
+        Words words{"focus", in("half.exr"), "-o", in("o.exr"), "--f-number", "2", "--focus", "2"};
+        words.insert(words.end(), option.begin(), option.end());
+        const Outcome r = run(words);
+        EXPECT_EQ(r.exit_code, 2) << option[0];
+        EXPECT_NE(r.err.find("Cryptomatte crypto is not used: no channels crypto00.R and crypto00.G"),
+                  std::string::npos)
+            << r.err;
+    }
+}
+
 TEST_F(ForeignKinds, DepthsMayBeInverse) {
     const Words lens{"--f-number", "1", "--focus", "2"};
     const Image wanted = focus(data("inverse_depth/distance"), lens);
