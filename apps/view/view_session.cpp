@@ -172,11 +172,22 @@ std::string option(const std::string& name, const std::string& value) {
 ViewSession::ViewSession(ViewOptions options)
     : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
     if (!options_.scene) return;
-    // The scene must be the one from which the frame was traced. This is checked by the SHA-256 that sample
-    // files state. Images of other programs state none.
-    const Json of_scene = run_info({.input = *options_.scene}).json;
     constexpr const char* key = "scene_sha256";
-    if (facts_.contains(key) && facts_[key] != of_scene.at(key)) {
+    if (!facts_.contains(key)) {
+        fail(ExitCode::wrong_arguments,
+             "SCENE: not for a picture of another program, whose scene cannot be traced (got {}; expected "
+             "FRAME "
+             "only)",
+             *options_.scene);
+    }
+    const Json of_scene = run_info({.input = *options_.scene}).json;
+    if (of_scene.at("kind") != "scene") {
+        fail(ExitCode::invalid_input, "{}: not a scene (got the kind {}; expected the scene of {})",
+             *options_.scene, of_scene["kind"].dump(), options_.input);
+    }
+    // The scene must be the one from which the frame was traced. This is checked by the SHA-256 that sample
+    // files state.
+    if (facts_[key] != of_scene.at(key)) {
         fail(ExitCode::invalid_input,
              "{}: is not the scene that {} was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
              *options_.scene, options_.input, of_scene[key].get<std::string>(),

@@ -366,6 +366,10 @@ def test_the_scene_is_the_frames(frame):
     other = str(ROOT / "samples" / "scenes" / "still_life.toml")
     run = subprocess.run([PROGRAM, "view", frame, other], capture_output=True, text=True, timeout=60)
     assert run.returncode == 3 and run.stderr.count("\n") == 1 and "is not the scene that" in run.stderr
+    for words, code, said in (([frame, DEEP], 3, "not a scene"), ([frame, frame], 3, "not a scene"),
+                              ([DEEP, SCENE], 2, "SCENE: not for a picture of another program")):
+        run = subprocess.run([PROGRAM, "view", *words], capture_output=True, text=True, timeout=60)
+        assert run.returncode == code and run.stderr.count("\n") == 1 and said in run.stderr
 
 
 def test_a_port_that_is_taken(viewer, frame):
