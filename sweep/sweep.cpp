@@ -378,7 +378,13 @@ class Sweep {
 
 SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                   const std::filesystem::path& folder) {
-    return Sweep(frame, settings, folder).run();
+    try {
+        return Sweep(frame, settings, folder).run();
+    } catch (const Error& e) {
+        if (e.code() != ExitCode::interrupted) throw;
+        fail(ExitCode::interrupted, "interrupted; {} holds what is finished, and --resume goes on from it",
+             folder.string());
+    }
 }
 
 }  // namespace postlens
