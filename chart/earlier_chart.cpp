@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/files/share_table.h"
 #include "core/files/text_file.h"
+#include "scene/file_digest.h"
 
 namespace postlens {
 namespace {
@@ -24,17 +25,19 @@ constexpr std::uintmax_t largest_chart_bytes = 64U << 20U;
 std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene) {
     std::string reference = fmt::format("{} spp", r.reference_spp);
     if (r.reference) {
-        reference = r.reference->string();
-        if (r.second_reference) reference = fmt::format("{} {}", reference, r.second_reference->string());
+        const auto contents = [](const fs::path& path) { return sha256_of_file(path).substr(0, 16); };
+        reference = fmt::format("{} {}", r.reference->string(), contents(*r.reference));
+        if (r.second_reference) {
+            reference += fmt::format(" {} {}", r.second_reference->string(), contents(*r.second_reference));
+        }
     }
-    std::string shutter =
-        v.shutter ? fmt::format("{:.17g}:{:.17g}", v.shutter->open_s, v.shutter->close_s) : "none";
-    if (scene.lumens_per_watt) reference += fmt::format(" lumens {:.17g}", *scene.lumens_per_watt);
-    if (scene.exposure_stops != 0) reference += fmt::format(" exposure {:.17g}", scene.exposure_stops);
-    return fmt::format(
-        "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
-        scene.sha256.substr(0, 16), scene.metres_per_unit, r.camera_name, v.width, v.height,
-        v.film_distance_mm, v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
+    std::string shutter = v.shutter ? fmt::format("{}:{}", v.shutter->open_s, v.shutter->close_s) : "none";
+    if (scene.lumens_per_watt) reference += fmt::format(" lumens {}", *scene.lumens_per_watt);
+    if (scene.exposure_stops != 0) reference += fmt::format(" exposure {}", scene.exposure_stops);
+    return fmt::format("{} x{} '{}' {}x{} d={} F={} f/{} s={} shutter {} reference {}",
+                       scene.sha256.substr(0, 16), scene.metres_per_unit, r.camera_name, v.width, v.height,
+                       v.film_distance_mm, v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter,
+                       reference);
 }
 
 std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path& folder,

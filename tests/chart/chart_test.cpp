@@ -10,6 +10,7 @@
 #include "chart/chart_plan.h"
 #include "chart/chart_plots.h"
 #include "chart/chart_runner.h"
+#include "chart/earlier_chart.h"
 #include "chart/gnuplot.h"
 #include "chart/pareto.h"
 #include "core/error.h"
@@ -101,6 +102,24 @@ TEST(ChartPlan, TracesKnowTheLensByItsDiameter) {
     const ChartPlan plan = chart_plan(r, chart_view(r, scene));
     EXPECT_NEAR(*plan.traces[0].settings.for_f_number, 1, 1e-12);
     EXPECT_EQ(plan.traces[1].settings.hidden_layers, 0);
+}
+
+TEST(ChartKey, KnowsTheReferenceByItsContents) {
+    const TemporaryFolder folder;
+    ChartRequest r;
+    r.reference = folder.path() / "reference.exr";
+    r.second_reference = folder.path() / "noise.exr";
+    const Scene scene = still(1.4);
+    const auto key_with = [&](const fs::path& path, const char* contents) {
+        std::ofstream(path) << contents;
+        return chart_key(r, chart_view(r, scene), scene);
+    };
+    std::ofstream(*r.second_reference) << "b";
+    const std::string key = key_with(*r.reference, "a");
+    EXPECT_THAT(key, HasSubstr(" f/1.4 "));
+    EXPECT_NE(key_with(*r.reference, "c"), key);
+    EXPECT_EQ(key_with(*r.reference, "a"), key);
+    EXPECT_NE(key_with(*r.second_reference, "c"), key);
 }
 
 constexpr const char* two_boards =
