@@ -105,7 +105,7 @@ class Runner {
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
-            check_join();
+            check_join(out.missing);
         references();
         progress.advance(3);
         for (int round = 0; round < request_.rounds && request_.join == Join::no; ++round) {
@@ -156,8 +156,7 @@ class Runner {
 
     // Handles missing points when the shares of a chart are joined. If all points are required, an error is
     // thrown. Otherwise the missing points are omitted.
-    void check_join() {
-        std::vector<std::string> missing;
+    void check_join(std::vector<std::string>& missing) {
         for (const ChartPoint& p : data_.points)
             if (!p.figures) missing.push_back(p.name);
         if (!missing.empty() && request_.join == Join::whole) {

@@ -12,6 +12,7 @@ struct ChartRun {
     ChartData data;
     std::size_t kept = 0;            ///< number of timings that come from an earlier run of the same request
     std::vector<std::string> notes;  ///< notes of the scene's reader
+    std::vector<std::string> missing;  ///< with Join::partial: names of points that are left out
 };
 
 /// Measures a chart into `folder`, which is created if its parent exists. After every point, chart.json is

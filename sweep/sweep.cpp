@@ -91,7 +91,7 @@ class Sweep {
             // is interrupted.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
-            if (settings_.join == Join::whole) check_complete();
+            if (settings_.join != Join::no) check_complete();
             // The contact sheet is encoded in parallel, while the last images are being written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
@@ -165,11 +165,11 @@ class Sweep {
         }
     }
 
-    void check_complete() const {
-        std::vector<std::string> missing;
+    void check_complete() {
+        std::vector<std::string>& missing = out_.missing;
         for (std::size_t i = 0; i < rows_.size(); ++i)
             if (!rows_[i]) missing.push_back(names_[i]);
-        if (missing.empty()) return;
+        if (missing.empty() || settings_.join == Join::partial) return;
         fail(ExitCode::invalid_input,
              "{}: {} of {} pictures are missing or not as their table says, e.g. {} (expected all; --partial "
              "joins what is there)",

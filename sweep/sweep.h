@@ -51,6 +51,7 @@ struct SweepResult {
     SweepTable table;
     std::vector<SweepWarning> warnings;  ///< one per warning code, for the images that this run made
     std::size_t made = 0, kept = 0;
+    std::vector<std::string> missing;  ///< with Join::partial: files of images that are left out
     std::filesystem::path csv, json;
     std::optional<std::filesystem::path> contact_sheet;  ///< absent above ContactSheet::most_pictures
 };

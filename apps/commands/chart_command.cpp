@@ -16,6 +16,13 @@ CommandResult run_chart_command(const ChartOptions& options) {
     const ChartRun run = run_chart(options.request, folder, options.restart);
     CommandResult out;
     for (const std::string& note : run.notes) out.warnings.push_back({"scene", note});
+    if (!run.missing.empty()) {
+        const std::size_t all = run.data.points.size() + run.missing.size();
+        out.warnings.push_back({"partial",
+                                fmt::format("{} of {} points are missing, e.g. {}", run.missing.size(), all,
+                                            run.missing.front()),
+                                static_cast<double>(run.missing.size()) / static_cast<double>(all)});
+    }
     if (run.data.affected_share < 0.25) {
         out.warnings.push_back(
             {"unaffected",

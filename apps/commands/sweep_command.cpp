@@ -146,6 +146,14 @@ CommandResult run_sweep(const SweepOptions& o) {
         out.warnings.push_back({"contact_sheet", fmt::format("of {} no contact sheet is made",
                                                              counted(result.table.rows.size(), "picture"))});
     }
+    if (!result.missing.empty()) {
+        const std::size_t all = result.table.rows.size() + result.missing.size();
+        out.warnings.push_back(
+            {"partial",
+             fmt::format("{} of {} pictures are missing or not as their table says, e.g. {}",
+                         result.missing.size(), all, result.missing.front()),
+             static_cast<double>(result.missing.size()) / static_cast<double>(all)});
+    }
     // --strict ignores warnings about exposure, because they only concern how the images are displayed.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))

@@ -216,8 +216,16 @@ TEST_F(ShareCommand, ItemsOfASweepMergeInTheirFolder) {
     refused({"merge", in("named/sweep.0-of-2.json"), in("named/sweep.1-of-2.json"), "-o", in("named")}, bad,
             "--frames (got [\"b.%d\"]; expected [\"a.%d\"])");
     said = done({"merge", table(1), table(2), table(0), "-o", in("parts")});
-    std::filesystem::remove(in("parts/" + said.at("pictures")[0].at("file").get<std::string>()));
-    refused({"merge", table(1), table(2), table(0), "-o", in("parts")}, bad, "1 of 4 pictures are missing");
+    EXPECT_TRUE(said.at("warnings").empty());
+    const std::string gone = said.at("pictures")[0].at("file");
+    std::filesystem::remove(in("parts/" + gone));
+    const Words joined{"merge", table(1), table(2), table(0), "-o", in("parts")};
+    refused(joined, bad, "1 of 4 pictures are missing");
+    said = done(joined + Words{"--partial"});
+    EXPECT_EQ(said.at("pictures").size(), 3U);
+    ASSERT_EQ(said.at("warnings").size(), 1U);
+    EXPECT_EQ(said.at("warnings")[0].at("code"), "partial");
+    EXPECT_NE(said.at("warnings")[0].at("text").get<std::string>().find(gone), std::string::npos);
     std::ofstream(in("parts/sweep.9-of-9.json")) << "{}";
     refused({"merge", in("parts/sweep.9-of-9.json"), "-o", in("parts")}, bad, "no part");
     std::ofstream(in("parts/sweep.9-of-9.json"))
