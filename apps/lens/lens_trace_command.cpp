@@ -209,7 +209,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     }
     if (o.output) check_path(*o.output);
     if (o.curves) check_path(*o.curves);
-    if (o.impulse) check_image_path(*o.impulse);
+    if (o.impulse) check_exr_path(*o.impulse, "responses");
     CommandResult out;
     const Prescription lens = read_lens(o.lens.input, out.warnings);
     const TracedLens traced(lens, traced_lens_settings(o.lens, 0.5 * o.film_width_mm));

@@ -167,6 +167,7 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
     refused({"lens", "trace", sample_, "--depth", "-1"}, wrong, "--depth: out of range");
     refused({"lens", "trace", sample_, "--rays", "1"}, wrong, "--rays");
     refused({"lens", "trace", sample_, "--pixel-pitch", "0"}, wrong, "--pixel-pitch");
+    refused({"lens", "trace", sample_, "--impulse", in("i.png")}, wrong, "responses are written as OpenEXR");
     refused({"lens", "fit", sample_, "--depths", "2:1"}, wrong, "--depths");
     refused({"lens", "fit", sample_, "--depths", "2"}, wrong, "--depths");
     refused({"lens", "fit", sample_, "--tolerance-px", "0"}, wrong, "--tolerance-px");
