@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.h"
 
@@ -70,8 +71,7 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
     // Returns the distance from the film centre at which the chief ray (the ray through the centre of the
-    // stop) lands, or infinity if this ray is blocked. The distance grows with the field tangent, so
-    // bisection finds the tangent for a given distance.
+    // stop) lands, or infinity if this ray is blocked.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -79,16 +79,30 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    double low = 0, high = 60;  // tan(89 degrees) is about 57
+    // At large field angles, the distance may fall again. The search therefore goes outwards in steps of one
+    // degree until the distance reaches field_mm or no longer grows. The last step is then bisected.
+    double low = 0, reached_mm = 0;
+    const auto grows = [&](double tangent) {
+        const double mm = height(tangent);
+        if (!(mm >= reached_mm && mm < field_mm)) return false;
+        low = tangent;
+        reached_mm = mm;
+        return true;
+    };
+    double high = 0;
+    for (int deg = 1; deg <= 89; ++deg) {
+        high = std::tan(deg * std::numbers::pi / 180);
+        if (!grows(high)) break;
+    }
     for (int step = 0; step < 80 && high - low > 1e-12; ++step) {
         const double middle = 0.5 * (low + high);
-        (height(middle) < field_mm ? low : high) = middle;
+        if (!grows(middle)) high = middle;
     }
-    if (field_mm > 0 && std::abs(height(low) - field_mm) > 1e-6 * field_mm) {
+    if (field_mm > 0 && std::abs(reached_mm - field_mm) > 1e-6 * field_mm) {
         fail(ExitCode::wrong_arguments,
              "--field: no chief ray lands so far from the centre (got {} mm; expected at most "
              "about {:.4g} mm)",
-             field_mm, height(low));
+             field_mm, reached_mm);
     }
     for (int i = 0; i < count; ++i) {
         out.tangents.push_back(low * i / (count - 1));

@@ -121,6 +121,22 @@ TEST(LensModels, RangesAreChecked) {
     EXPECT_THROW((void)lens_model_range(traced, 1, 2, 500, 3), Error);
 }
 
+// In a double Gauss, chief rays of large field angles land nearer to the centre again. The largest distance
+// that the error states is therefore not at the largest angle.
+TEST(LensModels, AFieldThatIsTooLargeNamesTheLargest) {
+    const TracedLens traced(read_prescription(POSTLENS_SAMPLES "/lenses/double_gauss.toml"));
+    try {
+        (void)lens_model_range(traced, 1, 2, 500, 3);
+        FAIL() << "500 mm is accepted";
+    } catch (const Error& error) {
+        const std::string text = error.what(), before = "at most about ";
+        const double largest_mm = std::stod(text.substr(text.find(before) + before.size()));
+        // The text has four digits.
+        EXPECT_NO_THROW((void)lens_model_range(traced, 1, 2, largest_mm * (1 - 5e-4), 3)) << text;
+        EXPECT_THROW((void)lens_model_range(traced, 1, 2, largest_mm * 1.01, 3), Error) << text;
+    }
+}
+
 TEST(MeshResponse, HoldsAllLightAndItsPlace) {
     const TracedLens traced(published_lens("dgauss.22deg.50.0mm.dat"),
                             {.focus_distance_m = 1, .f_number = 4});
