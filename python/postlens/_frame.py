@@ -176,6 +176,7 @@ class Frame:
         threads: number of threads, or 0 for all.
         progress: a function that is called as progress(fraction, seconds_left) during the work. If it raises an
             exception, the work stops and the exception is raised here.
+        `postlens focus --help` describes the other arguments.
 
         Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's message.
         """
