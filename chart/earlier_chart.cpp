@@ -26,10 +26,8 @@ std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& sc
     std::string reference = fmt::format("{} spp", r.reference_spp);
     if (r.reference) {
         const auto contents = [](const fs::path& path) { return sha256_of_file(path).substr(0, 16); };
-        reference = fmt::format("{} {}", r.reference->string(), contents(*r.reference));
-        if (r.second_reference) {
-            reference += fmt::format(" {} {}", r.second_reference->string(), contents(*r.second_reference));
-        }
+        reference = contents(*r.reference);
+        if (r.second_reference) reference += " " + contents(*r.second_reference);
     }
     std::string shutter = v.shutter ? fmt::format("{}:{}", v.shutter->open_s, v.shutter->close_s) : "none";
     if (scene.lumens_per_watt) reference += fmt::format(" lumens {}", *scene.lumens_per_watt);
