@@ -218,9 +218,15 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    LightKeys out{1, change.psnr_db(0)};
-    for (int between = light_steps; out.psnr_db < target_db && between >= fewest_steps; between /= 2)
-        out = {light_steps / between + 1, change.psnr_db(between)};
+    // From most keys to fewest, because errors of opposite sign may cancel for one number of keys, such as
+    // two keys where the light changes abruptly in the middle.
+    LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
+    for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
+        const bool ends = between > light_steps;
+        const LightKeys fewer{ends ? 1 : light_steps / between + 1, change.psnr_db(ends ? 0 : between)};
+        if (fewer.psnr_db < target_db) break;
+        out = fewer;
+    }
     return out;
 }
 

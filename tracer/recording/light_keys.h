@@ -17,9 +17,10 @@ struct LightKeys {
     double psnr_db = 0;  ///< predicted PSNR with these keys; infinite if no light changes
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants) with which the light on the surfaces
-/// reaches a PSNR of `target_db`. The number is 1, 2, 3, 5, 9, 17 or 33. If none of them suffices, it is 33.
-/// The instant `recorded_s` is always recorded, and it is the only one if the number is 1.
+/// Returns the smallest number of evenly spaced keys (recorded instants) with which, and with every larger
+/// number, the light on the surfaces reaches a PSNR of `target_db`. The number is 1, 2, 3, 5, 9, 17 or 33. If
+/// none of them suffices, it is 33. The instant `recorded_s` is always recorded, and it is the only one if
+/// the number is 1.
 ///
 /// A coarse grid of rays selects points on surfaces, which are followed through the shutter interval. At 65
 /// instants, rays from the camera find the radiance of the points in view. An image is assumed to interpolate
