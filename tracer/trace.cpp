@@ -84,7 +84,7 @@ class Instant {
         if (settings.for_shutter) {
             const TimeSpan& shutter = *settings.for_shutter;
             motion_.emplace(motion, of, settings.camera, time_s,
-                            looked_at_instants(shutter.open_s, shutter.close_s, recorded_s));
+                            looked_at_instants(motion, shutter.open_s, shutter.close_s, recorded_s));
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
@@ -183,13 +183,14 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
 
 // Returns instants from the previous recorded instant to the next one. Images at these instants are
 // reprojected from the records at `at_s`.
-std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
+std::vector<double> instants_near(const SceneMotion& motion, double at_s,
+                                  const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
         if (t < at_s) before_s = before_s == at_s ? t : std::max(before_s, t);
         if (t > at_s) after_s = after_s == at_s ? t : std::min(after_s, t);
     }
-    return looked_at_instants(before_s, after_s, std::vector<double>{at_s});
+    return looked_at_instants(motion, before_s, after_s, std::vector<double>{at_s});
 }
 
 // Returns a lower bound of the memory that a trace needs. Only buffers that grow with the raster are counted.
@@ -347,7 +348,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     // The overscan must suffice for the motion from each key (recorded instant) to the keys before and after.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
-        const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));
+        const FilmMotion near(motion, of, settings.camera, at_s,
+                              instants_near(motion, at_s, result.instants_s));
         go_to(at_s);
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }

@@ -301,7 +301,8 @@ struct Uncovered {
 Uncovered uncovered(const Scene& scene, double open_s = 0, double close_s = 1) {
     const SceneMotion motion = recorded_motion(scene, scene.cameras[0]);
     const std::vector<double> recorded{0.0};
-    const FilmMotion film(motion, scene.cameras[0], {}, 0, looked_at_instants(open_s, close_s, recorded));
+    const FilmMotion film(motion, scene.cameras[0], {}, 0,
+                          looked_at_instants(motion, open_s, close_s, recorded));
     return {sampled(scene, {HiddenLayers::most}), sampled(scene, {HiddenLayers::most, &film})};
 }
 
@@ -415,13 +416,37 @@ TEST(ComesToLight, WhereNothingMovesNothingDoes) {
     moving_ball(b, -3, 1);
     const SceneMotion motion = recorded_motion(b.scene, b.scene.cameras[0]);
     const std::vector<double> none;
-    EXPECT_FALSE(
-        FilmMotion(motion, b.scene.cameras[0], {}, 0, looked_at_instants(-2, 0, none)).anything_moves());
-    const FilmMotion film(motion, b.scene.cameras[0], {}, 0, looked_at_instants(0, 0.5, none));
+    EXPECT_FALSE(FilmMotion(motion, b.scene.cameras[0], {}, 0, looked_at_instants(motion, -2, 0, none))
+                     .anything_moves());
+    const FilmMotion film(motion, b.scene.cameras[0], {}, 0, looked_at_instants(motion, 0, 0.5, none));
     EXPECT_TRUE(film.anything_moves());
     EXPECT_TRUE(film.moves(5));
     EXPECT_FALSE(film.moves(1));
     EXPECT_FALSE(film.parallax());
+}
+
+TEST(ComesToLight, WhatMovesOnlyBetweenEvenInstantsDoes) {
+    // The nine even instants are 1/8 s apart. The first object moves away and back between two of them. The
+    // second makes 16 whole turns, and is in the same position at every even instant.
+    SceneBuilder b = walls_and_ball();
+    Object& out_and_back = moving_ball(b, -3, 1);
+    out_and_back.keys = {{.time_s = 0.01}, {.time_s = 0.05, .translation = {1, 0, 0}}, {.time_s = 0.1}};
+    Object& fan = moving_ball(b, -3, 1);
+    fan.keys.clear();
+    for (int i = 0; i <= 48; ++i) {
+        const double angle = 2 * std::numbers::pi * (i % 3) / 3;
+        fan.keys.push_back(
+            {.time_s = i / 48.0, .rotation = {std::cos(angle / 2), 0, 0, std::sin(angle / 2)}});
+    }
+    const SceneMotion motion = recorded_motion(b.scene, b.scene.cameras[0]);
+    for (const auto& [id, object] : motion.objects) {
+        SceneMotion alone;
+        alone.objects[id] = object;
+        const std::vector<double> none;
+        const FilmMotion film(alone, b.scene.cameras[0], {}, 0, looked_at_instants(alone, 0, 1, none));
+        EXPECT_TRUE(film.moves(id)) << id;
+    }
+    EXPECT_EQ(motion.objects.size(), 2U);
 }
 
 }  // namespace

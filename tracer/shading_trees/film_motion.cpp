@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "records/motion/motion_path.h"
 
@@ -79,10 +80,32 @@ double even_instant(double open_s, double close_s, int i, int count) {
     return i == count - 1 ? close_s : open_s + (close_s - open_s) * (static_cast<double>(i) / (count - 1));
 }
 
-std::vector<double> looked_at_instants(double open_s, double close_s, std::span<const double> recorded_s) {
+std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
+                                       std::span<const double> recorded_s) {
     constexpr int even = 9;
+    constexpr std::size_t most_keyframes = 32;  // every sample of the trace is followed to every instant
+    std::vector<double> keyframes_s;
+    const auto add = [&](const std::vector<TransformKey>& keys) {
+        for (const TransformKey& k : keys) {
+            if (k.time_s > open_s && k.time_s < close_s) keyframes_s.push_back(k.time_s);
+        }
+    };
+    add(motion.camera);
+    for (const auto& [id, object] : motion.objects) add(object.keys);
+    std::sort(keyframes_s.begin(), keyframes_s.end());
+    keyframes_s.erase(std::unique(keyframes_s.begin(), keyframes_s.end()), keyframes_s.end());
     std::vector<double> out(recorded_s.begin(), recorded_s.end());
     for (int i = 0; i < even; ++i) out.push_back(even_instant(open_s, close_s, i, even));
+    if (keyframes_s.size() <= most_keyframes) {
+        out.insert(out.end(), keyframes_s.begin(), keyframes_s.end());
+    } else {
+        for (std::size_t i = 0; i < most_keyframes; ++i) {
+            const double turns = std::numbers::phi * static_cast<double>(i);
+            const double share = turns - std::floor(turns);
+            out.push_back(
+                keyframes_s[static_cast<std::size_t>(share * static_cast<double>(keyframes_s.size()))]);
+        }
+    }
     std::sort(out.begin(), out.end());
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;

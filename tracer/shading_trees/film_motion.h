@@ -55,8 +55,10 @@ class FilmMotion {
 };
 
 /// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
-/// nine evenly spaced instants, including both ends of the interval, and the instants in `recorded_s`.
-[[nodiscard]] std::vector<double> looked_at_instants(double open_s, double close_s,
+/// nine evenly spaced instants, including both ends of the interval, the instants in `recorded_s`, and the
+/// keyframes of objects and camera within the interval. If there are more than 32 keyframes, 32 of them are
+/// used, in a sequence that has no period.
+[[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 
 /// Returns instant i of `count` instants (at least 2) that are evenly spaced from open to close, including
