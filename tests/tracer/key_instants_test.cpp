@@ -473,6 +473,11 @@ TEST(Overscan, ReachesAsFarAsTheShutterBringsThingsIn) {
                         {.time_s = 1, .translation = {edge - 2, 0, -4}}},
                        {}),
               0);
+    // The border cuts off 4 px of a ball, which end between two of the coarse samples.
+    EXPECT_GE(overscan({{.time_s = 0, .translation = {edge + 0.6 - 4 / 22.2, 0, -4}},
+                        {.time_s = 1, .translation = {edge + 1.6, 0, -4}}},
+                       {}),
+              4);
     // A ball that is hidden by a nearer still object counts as well.
     b.add(Box{{-2, -1, -3.1}, {-1.1, 1, -3}}, glowing({1, 0, 0}));
     EXPECT_GE(overscan({{.time_s = 0, .translation = {edge - 0.4, 0, -4}},

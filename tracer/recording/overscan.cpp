@@ -59,13 +59,20 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
+    // The samples include the border of the frame, because a surface may end close behind it.
+    const auto positions = [farthest](int size) {
+        std::vector<int> out;
+        for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);
+        for (int p = size; p <= size + farthest; p += step_px) out.push_back(p);
+        return out;
+    };
     std::vector<std::vector<glm::dvec2>> rows;
-    for (int y = -farthest; y <= camera.height + farthest; y += step_px) {
+    for (const int y : positions(camera.height)) {
         std::vector<glm::dvec2> row;
-        for (int x = -farthest; x <= camera.width + farthest; x += step_px) {
-            if (x < 0 || y < 0 || x > camera.width || y > camera.height) row.emplace_back(x, y);
+        for (const int x : positions(camera.width)) {
+            if (x <= 0 || y <= 0 || x >= camera.width || y >= camera.height) row.emplace_back(x, y);
         }
-        if (!row.empty()) rows.push_back(std::move(row));
+        rows.push_back(std::move(row));
     }
     std::vector<int> needed(rows.size(), 0);
     parallel_for(rows.size(), [&](std::size_t i) {
