@@ -15,8 +15,7 @@ int views_for(const std::vector<IdMotion>& ids, const FieldBlurSettings& setting
     if (settings.views) return *settings.views;
     double longest = 0;
     for (const IdMotion& m : ids) {
-        if (m.kind != MotionKind::still && std::isfinite(m.largest_move_px))
-            longest = std::max(longest, m.largest_move_px);
+        if (m.kind != MotionKind::still && std::isfinite(m.path_px)) longest = std::max(longest, m.path_px);
     }
     return views_for_way(longest);
 }

@@ -16,7 +16,7 @@ namespace postlens {
 struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, it is chosen from the largest displacement of an object.
+    /// Number of instants, 1..most_views. If absent, it is chosen from the longest path.
     std::optional<int> views;
     /// Only tiles that overlap the crop are drawn. All other tiles stay as they are.
     std::optional<Crop> crop;

@@ -110,6 +110,7 @@ class MotionBlur {
                 }
                 at->second.kind = std::max(at->second.kind, m.kind);
                 at->second.largest_move_px = std::max(at->second.largest_move_px, m.largest_move_px);
+                at->second.path_px = std::max(at->second.path_px, m.path_px);
                 at->second.deviation_px = std::max(at->second.deviation_px, m.deviation_px);
             }
         }

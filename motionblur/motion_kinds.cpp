@@ -1,6 +1,7 @@
 #include "motionblur/motion_kinds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -92,9 +93,10 @@ IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& e
     out.id = id;
     out.centre = extent.centre();
     out.inverse_z = out.centre.inverse_z;
+    std::array<std::optional<glm::dvec2>, 8> before;
+    std::array<double, 8> paths_px{};
     for (const double t : probe_times(motion.breaks_s(id), exposure)) {
         const RasterMap map = motion.map(id, recorded_s, t);
-        if (map.identity()) continue;
         const std::optional<RasterPoint> middle = map(out.centre);
         for (int k = 0; k < 8; ++k) {
             const RasterPoint from{(k & 1) != 0 ? extent.x_max : extent.x_min,
@@ -102,9 +104,14 @@ IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& e
                                    (k & 4) != 0 ? extent.inverse_z_max : extent.inverse_z_min};
             const std::optional<RasterPoint> to = map(from);
             if (!to || !middle) {
-                out.largest_move_px = out.deviation_px = out.bend_px = infinite;
+                out.largest_move_px = out.path_px = out.deviation_px = out.bend_px = infinite;
                 break;
             }
+            const glm::dvec2 at{to->x, to->y};
+            const auto corner = static_cast<std::size_t>(k);
+            paths_px[corner] += glm::distance(at, before[corner].value_or(at));
+            before[corner] = at;
+            out.path_px = std::max(out.path_px, paths_px[corner]);
             const double dx = to->x - from.x, dy = to->y - from.y;
             out.largest_move_px = std::max(out.largest_move_px, std::hypot(dx, dy));
             const double middle_dx = middle->x - out.centre.x, middle_dy = middle->y - out.centre.y;

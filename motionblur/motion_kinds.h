@@ -42,6 +42,7 @@ struct IdMotion {
     std::uint32_t id = 0;
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
+    double path_px = 0;          ///< length of the longest path of a corner of the box; may be infinite
     /// Largest difference, in px, between the displacements of a corner and of the centre of the box.
     /// Infinite if the box passes the camera.
     double deviation_px = 0;

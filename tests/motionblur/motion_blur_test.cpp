@@ -206,6 +206,15 @@ TEST(MotionBlur, OutAndBackIsTwiceTheWayAtTwiceTheSpeed) {
     }
 }
 
+TEST(MotionBlur, ViewsAreCountedByTheWholePath) {
+    // Sixteen times 40 px, so that 320 views are needed for one per 2 px, and 512 are the next power of 2.
+    std::vector<TransformKey> keys;
+    for (int i = 0; i <= 16; ++i)
+        keys.push_back({.time_s = i / 16.0, .translation = {i % 2 * 40 * m_per_px, 0, 0}});
+    const TracedFrame frame(bar(4, 6, 0, keys), for_shutter());
+    EXPECT_EQ(frame.blur(MotionMethod::lightfield).views, 512);
+}
+
 TEST(MotionBlur, LeavesAndReentersTheFrame) {
     // The bar leaves the frame on the right and returns. It is visible for about the first and the last
     // third.
