@@ -11,8 +11,8 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;  ///< cause of error that the trial removes
-    Image image;       ///< light field of the new records, of the same size as the file's image
+    ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
+    Image image;  ///< light field of the new records, of the same size as the file's image
     /// Whether later trials are ignored for a pixel that this trial corrects. They remove further limits in
     /// addition to this one, so they cannot show which limit was the cause.
     bool decides = false;
