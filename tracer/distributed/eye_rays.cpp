@@ -14,7 +14,8 @@ void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
     const auto width = static_cast<std::uint32_t>(setup.width());
     for (const std::uint32_t pixel : pixels) {
         sampler.fill_eye(pixel, first, count, numbers);
-        const auto left = static_cast<float>(pixel % width), top = static_cast<float>(pixel / width);
+        const std::uint32_t column = pixel % width, row = pixel / width;
+        const auto left = static_cast<float>(column), top = static_cast<float>(row);
         for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
             samples.x[lane] = left + numbers.pixel_u[i];
             samples.y[lane] = top + numbers.pixel_v[i];
