@@ -26,6 +26,7 @@ constexpr std::uintptr_t huge_page_bytes = std::uintptr_t{1} << 21;
 /// returns an error, but still applies the request to all others.
 void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 #ifdef MADV_HUGEPAGE
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): only the kernel uses this pointer
     if (begin < end) static_cast<void>(::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
 #endif
 }
