@@ -60,6 +60,9 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
+/// The factor of the inverse depth of a sample in the overlap of a patch.
+constexpr float in_overlap = 1 - 1e-3F;
+
 /// Element n is 1 << n. A table is used because some instruction sets cannot shift each lane (element of a
 /// vector) by a different number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
@@ -90,7 +93,9 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        const float mine = std::max(z + z_x * x + z_y * y, 0.0F);
+        // In its overlap, a patch is behind the neighbour to which the sample belongs.
+        const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
+        const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
         fx[n] = x - static_cast<float>(ix);
         fy[n] = y - static_cast<float>(iy);
