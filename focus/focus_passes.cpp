@@ -79,7 +79,8 @@ void add_sides(const StackField& field, Image& image) {
     }
 }
 
-void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Image& image) {
+/// Returns the number of pixels that show more objects than there are ranks.
+std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& field, Image& image) {
     const Cryptomatte& source = *picture.channels.matte;
     std::vector<std::vector<std::pair<float, std::uint32_t>>> ranked(field.shares.size());
     std::size_t ranks = std::max(source.ranks.size(), least_ranks);
@@ -117,6 +118,8 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
     image.texts.emplace_back(key + "hash", "MurmurHash3_32");
     image.texts.emplace_back(key + "conversion", "uint32_to_float32");
     if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
+    return static_cast<std::size_t>(
+        std::count_if(ranked.begin(), ranked.end(), [&](const auto& r) { return r.size() > ranks; }));
 }
 
 /// Returns the standard error of each pixel of an image that is the mean of s.views views, as the root mean
@@ -163,9 +166,9 @@ void add_error(std::vector<float> error, const std::vector<float>& effect, Image
 
 }  // namespace
 
-void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
-                      Image& image, const std::vector<float>& effect) {
-    if (!passes.any()) return;
+double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,
+                        const FocusPasses& passes, Image& image, const std::vector<float>& effect) {
+    if (!passes.any()) return 0;
     if (settings.framing != Framing::keep) {
         fail(ExitCode::wrong_arguments,
              "--passes: not for a picture that the lens crops or magnifies (expected --framing keep)");
@@ -186,7 +189,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
         pinhole ? FocusGeometry{}
                 : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     if (passes.coc) image.planes.push_back(coc_plane(picture, geometry, effect));
-    if (!passes.by_views()) return;
+    if (!passes.by_views()) return 0;
     const Impulse impulse = pinhole ? Impulse() : impulse_in_px(settings.impulse, picture.pixel_aspect);
     if (!pinhole) check_has_points(impulse);
     const RasterWindow window{0, picture.width, 0, picture.height};
@@ -197,6 +200,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
     }
     const std::vector<Behind> behind =
         pinhole ? std::vector<Behind>() : behind_fill(picture, geometry, s.aberration_px());
+    std::size_t beyond_ranks = 0;
     if (passes.sides || passes.cryptomatte) {
         s.shares = true;
         StackField seen = stack_field(picture, behind, s);
@@ -206,10 +210,11 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
             s.geometry = geometry;
         }
         if (passes.sides) add_sides(seen, image);
-        if (passes.cryptomatte) add_cryptomatte(picture, seen, image);
+        if (passes.cryptomatte) beyond_ranks = add_cryptomatte(picture, seen, image);
         s.shares = false;
     }
     if (passes.error) add_error(standard_error(picture, behind, s), effect, image);
+    return static_cast<double>(beyond_ranks) / s.drawn.width() / s.drawn.height();
 }
 
 }  // namespace postlens

@@ -28,9 +28,12 @@ struct FocusPasses {
 /// `effect` is the effect of the lens on each pixel with which the image was made: 0 for a pixel of the
 /// pinhole image, 1 for a fully blurred pixel. If `effect` is empty, it is 1 everywhere.
 ///
+/// Returns the fraction of the pixels that show more objects than the Cryptomatte has ranks. There, the
+/// smallest coverages are left out. The Cryptomatte has as many ranks as that of `picture`, but at least 8.
+///
 /// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if a channel is not available with the
 /// method or the impulse response. Throws Error(out_of_memory).
-void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
-                      Image& image, const std::vector<float>& effect = {});
+double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,
+                        const FocusPasses& passes, Image& image, const std::vector<float>& effect = {});
 
 }  // namespace postlens

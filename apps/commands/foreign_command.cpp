@@ -265,12 +265,21 @@ CommandResult focus_foreign(const FocusOptions& options) {
         limit_to(effect, focus_foreign(picture, settings).image, result.image);
         settings.method = method;
     }
-    add_focus_passes(picture, settings, options.foreign.passes, result.image, effect);
+    const double beyond_ranks =
+        add_focus_passes(picture, settings, options.foreign.passes, result.image, effect);
     result.image.exposure_stops = stops;
     warn_of_part(options.input, out.warnings);
     for (const std::string& behind : options.foreign.behind) warn_of_part(behind, out.warnings);
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (beyond_ranks > 0) {
+        out.warnings.push_back({"ids",
+                                fmt::format("{} % of the pixels show more objects than the Cryptomatte has "
+                                            "ranks: the smallest coverages are left out (expected a picture "
+                                            "whose Cryptomatte has more ranks)",
+                                            rough(100 * beyond_ranks)),
+                                beyond_ranks});
+    }
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     const bool told = unplanned && result.method == method;
     out.json = {{"method", method_name(result.method)},

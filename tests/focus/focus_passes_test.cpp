@@ -101,6 +101,22 @@ TEST(FocusPasses, WhatIsEstimatedBehindAnEdgeIsOfTheObjectFoundThere) {
     }
 }
 
+TEST(FocusPasses, PixelsWithMoreObjectsThanRanksAreCounted) {
+    const Bench bench{.width = 40, .height = 2, .margin_px = 0};
+    ForeignPicture p = bench.picture([&](int x, int) {
+        return Stack{{bench.inverse_z(6), 1, 1, 1, 1, cryptomatte_id("object" + std::to_string(x))}};
+    });
+    p.channels.matte = Cryptomatte{"CryptoObject", {}, "{}"};
+    const auto beyond_ranks = [&](FocusMethod method) {
+        const FocusSettings s = settings_of(bench, method);
+        Image image = focus_foreign(p, s).image;
+        return add_focus_passes(p, s, {.cryptomatte = true}, image);
+    };
+    EXPECT_EQ(beyond_ranks(FocusMethod::pinhole), 0);
+    // A circle of confusion with a radius of 6 px covers 12 columns, each of which is an object.
+    EXPECT_GE(beyond_ranks(FocusMethod::layers), (40 - 2 * 6) / 40.0);
+}
+
 TEST(FocusPasses, CoveragesAddUpToAlpha) {
     const Bench bench{.width = 80, .height = 4, .margin_px = 40};
     const ForeignPicture p = card(bench, 0.5F);
