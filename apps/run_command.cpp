@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/json_dump.h"
 #include "core/memory.h"
 
 namespace postlens {
@@ -34,7 +35,7 @@ std::string report_json(const CommandResult& result) {
     nlohmann::ordered_json json = result.json;
     json["peak_memory_bytes"] = peak_memory_bytes();
     json["warnings"] = warnings_json(result.warnings);
-    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_dump(json, 2);
 }
 
 }  // namespace postlens

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 
+#include "core/json_dump.h"
 #include "pictures/crop.h"
 #include "scene/file_digest.h"
 #include "scene/scene.h"
@@ -116,10 +117,9 @@ void remember_digest(const std::string& path, const Scene& scene) {
 
 std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop) {
     const auto list = [](const Crop& c) { return nlohmann::ordered_json{c.x, c.y, c.width, c.height}; };
-    return nlohmann::ordered_json{{"share", {work.share.index, work.share.count}},
-                                  {"crop", crop ? list(*crop) : nlohmann::ordered_json()},
-                                  {"made_by", work.asked_for()}}
-        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_dump(nlohmann::ordered_json{{"share", {work.share.index, work.share.count}},
+                                            {"crop", crop ? list(*crop) : nlohmann::ordered_json()},
+                                            {"made_by", work.asked_for()}});
 }
 
 std::optional<Share> share_of_mark(const std::string& mark) {
@@ -134,11 +134,10 @@ std::optional<Share> share_of_mark(const std::string& mark) {
 }
 
 std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {
-    return nlohmann::ordered_json{{"share", {share.index, share.count}},
-                                  {"crop", nullptr},
-                                  {"made_by", asked.fingerprint()},
-                                  {"words", words}}
-        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_dump(nlohmann::ordered_json{{"share", {share.index, share.count}},
+                                            {"crop", nullptr},
+                                            {"made_by", asked.fingerprint()},
+                                            {"words", words}});
 }
 
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height) {
@@ -150,12 +149,13 @@ void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int 
 
 std::string first_difference(const nlohmann::ordered_json& got, const nlohmann::ordered_json& expected) {
     for (const auto& [name, value] : expected.items()) {
-        if (!got.contains(name)) return fmt::format("{} (got nothing; expected {})", name, value.dump());
+        if (!got.contains(name)) return fmt::format("{} (got nothing; expected {})", name, json_dump(value));
         if (got[name] != value)
-            return fmt::format("{} (got {}; expected {})", name, got[name].dump(), value.dump());
+            return fmt::format("{} (got {}; expected {})", name, json_dump(got[name]), json_dump(value));
     }
     for (const auto& [name, value] : got.items()) {
-        if (!expected.contains(name)) return fmt::format("{} (got {}; expected nothing)", name, value.dump());
+        if (!expected.contains(name))
+            return fmt::format("{} (got {}; expected nothing)", name, json_dump(value));
     }
     return {};
 }

@@ -7,6 +7,7 @@
 #include "chart/html_text.h"
 #include "chart/page_template.h"
 #include "chart/pareto.h"
+#include "core/json_dump.h"
 
 namespace postlens {
 namespace {
@@ -88,7 +89,7 @@ std::string chart_page(const ChartData& data, const fs::path& folder) {
     out = replaced(out, "@FOOTER@",
                    "Made by <code>postlens chart</code>. Errors are those above the noise of the reference.");
     out = replaced(out, "@CHARTS@", charts);
-    return replaced(out, "@DATA@", script_safe(json.dump()));
+    return replaced(out, "@DATA@", script_safe(json_dump(json)));
 }
 
 }  // namespace postlens

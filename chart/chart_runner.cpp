@@ -16,6 +16,7 @@
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"
 #include "core/files/share_table.h"
+#include "core/json_dump.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "focus/frame.h"
@@ -204,7 +205,7 @@ class Runner {
         return frames_folder() / (point_file_name(name) + ".exr");
     }
 
-    void save() const { write_file(chart_path(), to_json(data_).dump(1) + "\n"); }
+    void save() const { write_file(chart_path(), json_dump(to_json(data_), 1) + "\n"); }
 
     [[nodiscard]] bool is_due(const std::vector<double>& seconds, int round) const {
         if (static_cast<int>(seconds.size()) > round) return false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/run_command.h"
+#include "core/json_dump.h"
 #include "pictures/encoded_picture.h"
 #include "python/arrays.h"
 #include "python/run_job.h"
@@ -34,8 +35,7 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
     CommandResult result;
     run_job(threads, progress,
             [&] { result = run_command(std::move(words), {.pictures_stay = pictures_stay, .kept = kept}); });
-    // Names of files may contain bytes that are not UTF-8.
-    out.json = result.json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    out.json = json_dump(result.json);
     out.text = text_of(result.text);
     for (Image& image : result.pictures) {
         const std::optional<double> stops = image.exposure_stops;

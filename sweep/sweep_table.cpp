@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/json_dump.h"
 
 namespace postlens {
 namespace {
@@ -111,8 +112,7 @@ std::string json_text(const SweepTable& table) {
     for (const SweepRow& row : table.rows) rows.push_back(row_json(table, row));
     Json all = {{"frame", table.frame}, {"coc_limit_px", table.coc_limit_px}, {"pictures", rows}};
     if (!table.part.empty()) all["part"] = Json::parse(table.part);
-    // A file name may contain any bytes, so invalid UTF-8 is replaced.
-    return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_dump(all, 1) + "\n";
 }
 
 std::map<std::string, SweepRow> rows_of_json(const std::string& text, const std::string& source) {

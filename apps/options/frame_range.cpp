@@ -11,6 +11,7 @@
 #include "apps/share.h"
 #include "core/counted.h"
 #include "core/job.h"
+#include "core/json_dump.h"
 #include "pictures/image.h"
 #include "records/sample_file.h"
 
@@ -80,11 +81,9 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Returns the fingerprint of a command (its options and inputs) as JSON text. Options may contain any bytes,
-/// so invalid UTF-8 is replaced.
+/// Returns the fingerprint of a command (its options and inputs) as JSON text.
 std::string text_of(const nlohmann::ordered_json& made_by) {
-    return made_by.is_null() ? ""
-                             : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return made_by.is_null() ? "" : json_dump(made_by);
 }
 
 /// Returns why an existing output must be made again: the first setting in its file that differs from the

@@ -12,6 +12,7 @@
 #include "core/files/output_file.h"
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
+#include "core/json_dump.h"
 #include "core/progress.h"
 #include "pictures/encoded_picture.h"
 
@@ -174,7 +175,7 @@ class Exporter {
         }
         data["depths"] =
             data_uri("image/png", png_file(depth_map(inverse, width_, height_, greatest), "depths"));
-        std::string json = data.dump();
+        std::string json = json_dump(data);
         // Replaces '<', because a name in the JSON could contain the end tag of the script element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
             json.replace(at, 1, "\\u003c");

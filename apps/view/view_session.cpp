@@ -17,6 +17,7 @@
 #include "compare/drawing/cause_picture.h"
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
+#include "core/json_dump.h"
 #include "core/threads.h"
 #include "lens/impulse.h"
 #include "motionblur/paths/paths_file.h"
@@ -28,7 +29,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 ViewReply error_reply(int status, const std::string& text) {
-    return {status, "application/json", Json{{"error", text}}.dump()};
+    return {status, "application/json", json_dump(Json{{"error", text}})};
 }
 
 void append_bytes(std::string& out, const void* from, std::size_t bytes) {
@@ -49,7 +50,7 @@ void append_halves(std::string& out, const std::vector<float>& values) {
 /// Returns the beginning of a reply with binary data: the length of the JSON text, the text, and zeros up to
 /// a multiple of 4 bytes. Memory is reserved for the data, which will take `bytes` bytes.
 ViewReply reply_with(const Json& json, std::size_t bytes) {
-    const std::string text = json.dump();
+    const std::string text = json_dump(json);
     ViewReply out{.type = "application/octet-stream"};
     const auto length = static_cast<std::uint32_t>(text.size());
     out.body.reserve(8 + text.size() + bytes);
@@ -201,8 +202,7 @@ ViewReply ViewSession::frame() const {
     json["name"] = std::filesystem::path(options_.input).filename().string();
     json["scene"] = options_.scene ? Json(*options_.scene) : Json(nullptr);
     json["records_kept"] = frame_->kept() != nullptr;
-    // Names in a file need not be UTF-8.
-    return {.body = json.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    return {.body = json_dump(json)};
 }
 
 /// Cancels the current request of the slot and runs `make` instead.
@@ -321,7 +321,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
                                                            : number_of(parameters, "focus");
         }
         return ViewReply{
-            .body = frame_->pixel(number_of(parameters, "x"), number_of(parameters, "y"), lens).dump()};
+            .body = json_dump(frame_->pixel(number_of(parameters, "x"), number_of(parameters, "y"), lens))};
     });
 }
 

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/files/output_file.h"
 #include "core/files/text_file.h"
+#include "core/json_dump.h"
 #include "core/progress.h"
 
 namespace postlens {
@@ -51,7 +52,7 @@ AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart) 
             ++out.kept;
         } else {
             e.result = run_atlas_case(e.what, folder / "cases", strip);
-            write_file(json, to_json(e.result).dump(1) + "\n");
+            write_file(json, json_dump(to_json(e.result), 1) + "\n");
         }
         for (const std::string& line : broken_expectations(e.what, e.result))
             out.broken.push_back(e.what.name + ": " + line);

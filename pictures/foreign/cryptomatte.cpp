@@ -13,6 +13,7 @@
 
 #include "core/error.h"
 #include "core/files/text_file.h"
+#include "core/json_dump.h"
 
 namespace postlens {
 namespace {
@@ -175,7 +176,7 @@ std::string as_json(std::string manifest) {
     if (valid && (manifest.find('\\') == std::string::npos || has_its_ids(parsed))) return manifest;
     const auto unescaped = unescaped_manifest(manifest);
     if (!unescaped || (valid && !has_its_ids(*unescaped))) return manifest;
-    return unescaped->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return json_dump(*unescaped);
 }
 
 /// Largest size of a manifest file that is read.

@@ -130,6 +130,17 @@ TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
         EXPECT_EQ(after["points"][i]["seconds"], before["points"][i]["seconds"]);
 }
 
+TEST_F(ChartCommand, TakesNamesThatAreNotUtf8) {
+    std::vector<std::string> latin1 = words("1");
+    latin1[1] = in("sc\xe8ne.toml");
+    std::ofstream(latin1[1]) << scene_text;
+    latin1.emplace_back("--no-plots");
+    const Outcome first = run(latin1), again = run(latin1);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_EQ(json::parse(again.out)["kept"], json::parse(first.out)["points"].size());
+}
+
 TEST_F(ChartCommand, RefusesInOneLine) {
     const auto refused = [&](std::vector<std::string> more, int code, const std::string& says) {
         std::vector<std::string> w = words("1");
