@@ -68,9 +68,14 @@ void check_options(CLI::App& command) {
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // A single letter gets no suggestion, because it is not similar to any name.
+        // Suggests an option that begins with the word, or else one that differs in at most half of its
+        // letters.
+        const std::string asked = name.substr(word[1] == '-' ? 2 : 1);
+        const auto longer = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
+            return asked.size() > 1 && other.starts_with(asked);
+        });
         const std::string_view nearest =
-            name.size() > 2 ? nearest_word(name.substr(word[1] == '-' ? 2 : 1), known) : "";
+            longer != known.end() ? *longer : nearest_word(asked, known, asked.size() / 2);
         fail(ExitCode::wrong_arguments, "unknown option (got {}; {}see {} --help)", name,
              nearest.empty() ? "" : fmt::format("nearest known option: --{}, ", nearest), full_name(command));
     }

@@ -91,14 +91,15 @@ std::string rough(double value) {
     return fmt::format("{:.2g}", value);
 }
 
-std::string_view nearest_word(std::string_view word, std::span<const std::string_view> candidates) {
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> candidates,
+                              std::size_t most_edits) {
     std::string_view best;
     std::size_t best_distance = std::numeric_limits<std::size_t>::max();
     for (const std::string_view candidate : candidates) {
         // A word of more than 256 characters resembles no candidate, so only its beginning is compared. This
         // limits the time that malicious input can take.
         const std::size_t distance = edit_distance(word.substr(0, 256), candidate.substr(0, 256));
-        if (distance < best_distance) {
+        if (distance < best_distance && distance <= most_edits) {
             best_distance = distance;
             best = candidate;
         }

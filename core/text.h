@@ -1,6 +1,7 @@
 // Reads numbers from text independently of the locale, and prepares text for messages.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,8 +33,9 @@ namespace postlens {
 
 /// Returns the candidate with the smallest edit distance to `word`. Edits are insertions, deletions,
 /// replacements and swaps of neighbouring letters. If several candidates are equally close, the first one is
-/// returned. The result is empty if there are no candidates.
+/// returned. The result is empty if all candidates need more than `most_edits`, or if there are none.
 [[nodiscard]] std::string_view nearest_word(std::string_view word,
-                                            std::span<const std::string_view> candidates);
+                                            std::span<const std::string_view> candidates,
+                                            std::size_t most_edits = std::numeric_limits<std::size_t>::max());
 
 }  // namespace postlens

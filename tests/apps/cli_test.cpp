@@ -269,6 +269,8 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
             "unknown option (got --focal-lenght; nearest known option: --focal-length, see postlens lens psf "
             "--help)");
     refused(image + Words{"-f", "3"}, two, "unknown option (got -f; see postlens image --help)");
+    refused(image + Words{"--expo", "3"}, two, "(got --expo; nearest known option: --exposure, see");
+    refused(image + Words{"--spp", "3"}, two, "unknown option (got --spp; see postlens image --help)");
     refused(image + Words{"-exposure", "3"}, two, "(got -exposure; nearest known option: --exposure, see");
     refused(image + Words{"---"}, two, "unknown option (got ---;");
     refused({"lens"}, two, "no subcommand (got nothing; expected one of coc, dof");

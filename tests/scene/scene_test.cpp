@@ -367,6 +367,8 @@ TEST(NearestWord, CountsEditsAndSwaps) {
     EXPECT_EQ(nearest_word("materail", words), "material");
     EXPECT_EQ(nearest_word("norm", words), "normal");
     EXPECT_EQ(nearest_word("x", {}), "");
+    EXPECT_EQ(nearest_word("norm", words, 2), "normal");
+    EXPECT_EQ(nearest_word("crop", words, 2), "");
 }
 
 TEST(Excerpt, IsShortAndPrintable) {
