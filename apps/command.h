@@ -146,8 +146,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if the method `auto` only selects `layers` or `scatter`, depending on the contents of the
-    /// file (usual_method). It does so if the user gives no target PSNR, no scene and no --explain.
+    /// Returns true if the method is `auto` and only selects `layers` or `scatter`, depending on the contents
+    /// of the file (usual_method). This is so if the user gives no target PSNR, no scene and no --explain.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }

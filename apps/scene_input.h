@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Reads a scene. Adds a warning for everything that the reader assumes or leaves out. Throws
-/// Error(wrong_arguments) if the scene refers to a file in `written`. Also throws the errors of read_scene.
+/// Reads a scene. Adds a warning for everything that the reader assumes or leaves out. Throws the errors of
+/// read_scene, and Error(wrong_arguments) if the scene refers to a file in `written`, the list of files that
+/// the command will write.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);

@@ -19,8 +19,8 @@ class LargestBends {
   public:
     /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Adds the records of the image rows [y_begin, y_end), which must be in `band`, in parallel. Rows that
-    /// were not given to the constructor are skipped.
+    /// Updates the values with the records of the image rows [y_begin, y_end), which must be in `band`, in
+    /// parallel. Rows outside those given to the constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }

@@ -66,8 +66,7 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A part of the side lies to the left of the first column. All of the first pixel lies to the right
-        // of this part.
+        // The part of the side to the left of column 0 adds its energy to all pixels of this row.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

@@ -27,8 +27,8 @@ class ShutterCurve {
     /// comment. Throws Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);
 
-    /// Returns the time, 0 to 1, at which the fraction u (0 to 1) of the light has arrived. If u is a uniform
-    /// random number, the density of the times is the transmittance.
+    /// Returns the time, 0 to 1, by which the fraction u (0 to 1) of the light has passed the shutter. If u
+    /// is a uniform random number, the time has a probability density proportional to the transmittance.
     [[nodiscard]] double time(double u) const;
     /// Inverse of `time`. Returns the fraction of the light that has arrived at the given time. It is 0
     /// before the opening and 1 after the closing.

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Returns 1 for each pixel of the frame that has a corner at which an object of `ids` (sorted) is seen, and
-/// 0 for all others. Pixels in bands that are not in memory get 0.
+/// Returns 1 for a pixel of the frame if an object of `ids` (sorted) is directly visible in it or in its
+/// neighbours to the right and below, and otherwise 0. Pixels in bands that are not in memory get 0.
 [[nodiscard]] std::vector<std::uint8_t> pixels_showing(const SampleHeader& header,
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);

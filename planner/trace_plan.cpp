@@ -188,9 +188,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Beside an edge, hidden surfaces are recorded as far as the lens may see them, plus a margin of a few
-    // pixels. The pixels of the preview are larger than those of the planned trace, so its margin is wider.
-    // The preview's number of hidden records is therefore scaled down.
+    // Hidden surfaces are recorded up to a distance of reach_px + margin_px from an edge. The margin is
+    // constant in pixels, and the preview has wider pixels than the planned trace. The preview therefore has
+    // more hidden records, and their number is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;

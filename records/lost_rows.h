@@ -26,7 +26,7 @@ struct LostRows {
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Like stand_in_for_row, but returns the records that replace row y as a band.
+/// Returns a band that consists of the unreadable row y, with the records of stand_in_for_row.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.

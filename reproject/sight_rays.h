@@ -38,9 +38,9 @@ inline SightLine line_through(const glm::dvec2& at) {
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
     /// Returns whether the radiance of a shading-tree node is clamped. The arguments are the node's path
-    /// (sequence of reflections and transmissions), the object that reflects or transmits it, and its own
-    /// object. For a node that is seen directly, `at` is the raster position, in px, at which the pinhole
-    /// sees it. If the function is empty, no node is clamped.
+    /// (sequence of reflections and transmissions), the id of the object that reflects or transmits the node,
+    /// and the id of the object on which the node lies. For a node that is seen directly, `at` is the raster
+    /// position, in px, at which the pinhole sees it. No node is clamped if `of` is empty.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -63,8 +63,8 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Writes the scene-linear RGB radiance along line i to radiance[i]. Thread-safe. The result of a line
-    /// does not depend on the other lines of the call.
+    /// Writes the scene-linear RGB radiance along line i, without the highlights that `less` describes, to
+    /// radiance[i]. Thread-safe. The result of a line does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
     /// Writes only the radiance that `trace` leaves out because it is added to the image as highlights

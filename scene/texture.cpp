@@ -17,9 +17,9 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding may have moved the quotient across a cell border. The sign of the remainder then tells on
-    // which side of the border the coordinate lies. The sign is exact, because fma rounds only once, and
-    // `lost` is the rounding error of the subtraction (Knuth's two-sum).
+    // Rounding may have moved the quotient across a cell border. The sign of the remainder c - offset -
+    // border * size tells on which side of the border c lies. The sign is exact, because fma rounds only
+    // once, and `lost` is the rounding error of c - offset (Knuth's two-sum).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

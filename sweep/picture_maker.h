@@ -47,8 +47,8 @@ void check_counts(const std::optional<int>& depths, const std::optional<int>& vi
 /// Throws Error(wrong_arguments) if --depth-spacing or --depth-model is given for a method that does not use
 /// it. --depth-model selects how depth is measured through mirrors and glass.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments) if an image without a shutter is made by a method that traces no rays.
-/// `name` is the option that requires rays: --scene or --explain.
+/// Throws Error(wrong_arguments) if the option `name` (--scene or --explain) is given, but `method` traces no
+/// rays. Only used for images without a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {

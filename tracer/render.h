@@ -85,10 +85,11 @@ struct RenderResult {
 /// additional channels contain the sums from which the render resumes.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to the file `path`, and with `halves` also to half_paths. The files are bit-identical for any
-/// number of threads, and also if the render was interrupted and resumed. Throws Error(wrong_arguments) if a
-/// setting is out of range, Error(interrupted) after writing partial_path, Error(invalid_input) if the file
-/// to resume from is damaged or has other settings, Error(out_of_memory) and Error(cannot_write).
+/// Renders to the file `path`. With `halves`, also writes the images of both halves of the samples
+/// (half_paths). The files are bit-identical for any number of threads, and if the render was interrupted and
+/// resumed. Throws Error(wrong_arguments) if a setting is out of range, Error(interrupted) after writing
+/// partial_path, Error(invalid_input) if the file to resume from is damaged or has other settings,
+/// Error(out_of_memory) and Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 

@@ -24,8 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Depth edges are searched for up to this distance, px, outside the recorded pixels. Edges farther out would
-// affect only the border of the recorded area.
+// A lens may see past depth edges outside the recorded window. They are searched for up to this distance, px,
+// from the window. Edges farther out would affect only its border.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -106,8 +106,8 @@ class Instant {
 
     [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
     [[nodiscard]] const CameraModel& camera() const { return camera_; }
-    /// Returns the motion from this instant to all instants of the shutter interval. Null if there is no
-    /// shutter.
+    /// Returns how surface points move on the raster from this instant to others of the shutter interval.
+    /// Null if there is no shutter.
     [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
     [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
 

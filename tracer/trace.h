@@ -36,15 +36,16 @@ struct TraceSettings {
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, in dB, of light that changes between two recorded instants (light_keys). Used if `keys`
-    /// is absent. At 43 dB, changing light causes half of the squared error of an image of 40 dB.
+    /// is absent. At 43 dB, the squared error is half of that at 40 dB, the default target of the method
+    /// auto.
     double light_db = 43;
     /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, so that half
     /// as many instants suffice if the light changes smoothly.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` to the radius of a lens with the f-number `for_f_number`. If that
-    /// is absent, it uses the radius of the camera's lens, or of an f/1.4 lens if the camera has no f-number.
-    /// With `for_f_number`, it sets `bend_radius_m` to the same radius.
+    /// trace_to_file sets `lens_radius_m` to the radius of a lens with the f-number `for_f_number`, or else
+    /// that of the camera, or else 1.4. If `for_f_number` is given, it sets `bend_radius_m` (lens radius for
+    /// measuring `w_bend`) to the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =

@@ -56,9 +56,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share would divide an image that must be made as a whole: one with --explain, or one for which
-/// the method auto measures errors (`decides`). With --frames, no image is divided, because a share consists
-/// of whole frames.
+/// Throws if --share would divide an image that cannot be divided: one with --explain, or one for which the
+/// method auto measures errors (`decides`). With --frames, --share selects whole frames and divides no image.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {

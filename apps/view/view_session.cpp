@@ -112,7 +112,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// The options that the page may set when it requests the causes of an image's error.
+/// The options that the page may set in a request for ViewSession::causes.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};

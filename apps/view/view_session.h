@@ -61,10 +61,10 @@ class ViewSession {
     /// Returns the ids of all pixels (32 bits each), followed by the inverse focus distances of all pixels
     /// (half floats, in 1/m). See ImageDepths.
     [[nodiscard]] ViewReply depths();
-    /// Finds the cause of each pixel's error in the image that `picture` makes with the same parameters, by
-    /// comparing the image with a ray-traced reference (find_error_causes). The body begins with a JSON text,
-    /// like that of `picture`. One byte per pixel follows: the number of its ErrorCause. The JSON lists the
-    /// causes in the order of these numbers, each with "name", "colour" (sRGB) and "error_share".
+    /// Returns the cause of each pixel's error in the image that `picture` returns for the same parameters.
+    /// The image is compared with a ray-traced reference (find_error_causes). The body begins like that of
+    /// `picture`, with a JSON text. One byte per pixel follows: the number of its ErrorCause. The JSON lists
+    /// the causes in the order of these numbers, each with "name", "colour" (sRGB) and "error_share".
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();

@@ -235,10 +235,10 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds, for each stored pixel, the next depth edge in direction `d`. At a depth edge, a pixel is
-    /// farther from the camera than the pixel before it. The depth of a pixel is that of the last sample in
-    /// its stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
-    /// farthest_px.
+    /// Finds, for each stored pixel, the next depth edge in direction `d`. A depth edge lies between a pixel
+    /// and its neighbour in this direction if the neighbour is farther from the camera. The depth of a pixel
+    /// is that of its last (farthest) sample. `steps` is set to the distance of the farther pixel, in px, or
+    /// to 0 if there is none within farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         // In columns [first, end), the neighbour in direction `d` lies in a stored column.

@@ -225,8 +225,9 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the premultiplied colours of the nearest opaque quadrilateral and of all quadrilaterals in front
-    /// of it, for each pixel. The expected value equals compositing with the operator "over".
+    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of those
+    /// before it. Which ones are opaque is random (is_opaque). The expected value equals compositing with the
+    /// operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {

@@ -7,7 +7,7 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed only at multiples of a quarter pixel, or of a whole pixel.
+/// From these CoC radii (px) on, samples are placed at multiples of a quarter pixel, or of a whole pixel.
 /// More samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// Radii, in px, that are passed to NodeResponses::phases instead of the true radius, so that it places

@@ -16,8 +16,8 @@ namespace {
 /// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. A kernel
 /// may be larger than the CoC, because similar kernels are replaced by one of a rounded size.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A surface is kept in memory if some view displaces it by more than far_px from its square of the raster.
-/// All kept surfaces together need at most most_far_bytes.
+/// A surface stays in memory for later strips if some view shows it more than far_px above or below its
+/// square of the raster (SheetMesh::square_px). All such surfaces together need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 

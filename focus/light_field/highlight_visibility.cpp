@@ -136,9 +136,9 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
         const auto of_cell = [edge](std::size_t i) {
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
-        // Views are visited in the order of their distances from this row of cells. The search for the views
-        // nearest to a cell ends when all other views are farther from the row than those found are from the
-        // cell.
+        // A view's distance in y from this row of cells is a lower bound of its distance from each cell.
+        // Views are visited in the order of this bound, until the bound exceeds the distances of all nearest
+        // views of the cell.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {

@@ -28,9 +28,9 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
     return {0, parent_id, id, square(at.x), square(at.y)};
 }
 
-/// Returns whether the records contain all light of a highlight that any lens point sees. If a nearer surface
-/// hides a part of a directly visible highlight, this part must be recorded, too. A highlight in a mirror or
-/// behind glass must not be hidden, and its reprojection by its 2x2 matrix W must be accurate over the whole
+/// Returns whether the records contain all of a highlight's light, for every lens point. A directly visible
+/// highlight must not be hidden, except for parts that are recorded as hidden surfaces. A highlight in a
+/// mirror or behind glass must not be hidden at all. Its reprojection must also be accurate over the whole
 /// lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;

@@ -12,8 +12,8 @@ constexpr double even_px = LevelTable::even_diameter_px;
 /// Step between neighbouring diameters, in px, from small_px to even_px. Rounding to the nearest step changes
 /// a CoC diameter by less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
-/// Step between the diameters of small discs, in px. It is 2 % of the diameter, but at least an eighth of a
-/// pixel. A larger step would change the brightness of small highlights.
+/// Step between the CoC diameters, in px, of neighbouring levels up to small_px. It is 2 % of the diameter,
+/// but at least an eighth of a pixel. A larger step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;

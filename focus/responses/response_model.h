@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point. Light that passes through the point q of the aperture, in
-/// lens radii, arrives at `map_px` times q, apart from aberrations.
+/// Describes the impulse response of a scene point. Light through the point q of the aperture, in lens radii,
+/// arrives at `map_px` times q, relative to the response's centre, apart from aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre

@@ -107,11 +107,11 @@ class SplatTables {
     /// (adjacent samples with the same disc).
     void survey() { keep_ = Keep::none; }
     /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
-    /// reach it are kept. Returns the ranges of rows [begin, end) that must be added again, in this order,
-    /// before finish_strip(). The first call returns all rows. The height of each strip must be a multiple of
-    /// `block_px`.
+    /// reach it are kept. Returns the ranges of rows [begin, end) that the caller must add once more, in this
+    /// order, before finish_strip(). For the first strip, these are all rows. The height of each strip must
+    /// be a multiple of `block_px`.
     ///
-    /// May be called any number of times after finish().
+    /// Call it after finish(), once for each strip.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Returns the number of splats that reach the rows of blocks [begin, end). The splats are counted while
@@ -125,8 +125,8 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns the colour `channel` (0 to 2) of the corners of row y, from column x_begin on. Only the
-    /// columns of the row's runs (adjacent samples with the same disc) are valid.
+    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y, from column x_begin
+    /// on. Only the columns of the row's runs (adjacent samples with the same disc) are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
@@ -152,7 +152,8 @@ class SplatTables {
     [[nodiscard]] double largest_coc_px() const;
     /// Returns the number of different radii of discs in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns whether any colour is negative. If none is, negative values of pixels are set to 0.
+    /// Returns whether any sample has a negative colour. If not, negative values of pixels are rounding
+    /// errors.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
 

@@ -24,7 +24,7 @@ struct Crossover {
     std::vector<Stop> stops;           ///< third stops from f/0.5 to f/128: n = 2^(i/6)
 };
 
-/// Throws Error(wrong_arguments) if focal length, focus distance, depth, pitch or wavelength is out of range.
+/// Computes the Crossover of a thin lens. Throws Error(wrong_arguments) if an argument is out of range.
 [[nodiscard]] Crossover crossover(double focal_length_mm, double focus_distance_m, double depth_m,
                                   double pixel_pitch_mm, double wavelength_nm);
 

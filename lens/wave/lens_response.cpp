@@ -209,9 +209,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid in px, which is odd. The grid contains all light of a geometric
-/// response, which reaches `farthest_px`, or 99 % of the light with diffraction. The width is at most
-/// largest_own_size_px.
+/// Returns the default width of the grid in px, which is odd and at most largest_own_size_px. Within this
+/// limit, the grid contains all light of a geometric response, whose radius is `farthest_px`. With
+/// diffraction, it contains at least 99 % of the light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {

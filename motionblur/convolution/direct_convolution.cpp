@@ -325,8 +325,8 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of values of the object's raster that are read for each cell of the path. Tiles are read as a
-    // whole, so each row is read up to one tile beyond its nonzero columns.
+    // Number of values of the object's raster that the convolution reads for each cell of the path's raster.
+    // It reads whole tiles, so in each row up to one tile beyond the nonzero columns.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

@@ -23,7 +23,7 @@ struct AxisBlocks {
 };
 
 /// Ranges of cells along one axis: [s0, s1) of the object's raster, [p0, p1) of the path's raster, and [o0,
-/// o1) of the result.
+/// o1) of their convolution.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };

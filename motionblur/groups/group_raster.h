@@ -44,9 +44,9 @@ struct QuarterCells {
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g in at least one
-/// corner. `surfaces` contains the group's nearest surface in each corner, or nullptr. `window` is the result
-/// of group_window.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that has a surface of moving group g in
+/// at least one corner. `surfaces` contains the nearest such surface of each corner, or nullptr. `window` is
+/// the result of group_window.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {

@@ -112,8 +112,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Without static pixels, the background that moving pixels uncover is interpolated from the views.
-        // This needs the views of the whole image, because a crop would otherwise change the result.
+        // If too few pixels are static, the background behind moving pixels is the mean of the views
+        // (`seen`). A crop must not change it, so `seen` must then cover the whole image.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

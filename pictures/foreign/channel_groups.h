@@ -25,12 +25,12 @@ inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
 
-/// View (such as the left eye) and layer of a channel, or of all channels of one pass (such as depth).
+/// The view (such as the left eye) and the layer to which a channel, or all channels of one pass, belong.
 ///
 /// Programs order the words in names differently. For example, a depth can be LAYER.depth.Z, depth.LAYER.Z,
-/// or a channel Z in a part depth_LAYER. The order is therefore ignored. The layer is the set of words in the
-/// names of the part and of the channel, without the last word of the channel's name and without words that
-/// name the pass, the view or colours.
+/// or a channel Z in a part depth_LAYER. The layer is therefore a set of words: those in the names of the
+/// part and of the channel, except the last word of the channel's name (Z), and words that name the pass
+/// (depth), the view or colours.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty

@@ -41,9 +41,10 @@ class JoinedChannels {
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel. Returns its index among the values that `read` passes, or empty for an empty name. A
-    /// channel that was added before for the same use keeps its index. Channels of other parts are read
-    /// immediately, with the value `otherwise` for pixels that these parts do not store.
+    /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
+    /// empty name. A channel that was added before for the same use keeps its index. A channel of a part
+    /// other than that of the constructor is read immediately. It is `otherwise` in pixels that its part does
+    /// not store.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

@@ -21,7 +21,7 @@ class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Returns whether a view may see a surface from beyond the border anywhere in the tile.
+    /// Returns whether any view may see, in the tile, a surface that lies outside the recorded pixels.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
     /// Stores the inverse depth of surfaces beyond the border that the view may see, in
     /// SeenTile::maybe_inverse_z.
@@ -59,8 +59,8 @@ class BorderReach {
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// The position, in raster px, at which a view sees the centre of pixel `i` of a side (Side::cells).
-    /// `along` is the coordinate along the side, and `across` is the coordinate perpendicular to it.
+    /// The raster position, in px, at which a view sees the centre of pixel `i` of Side::cells. `along` and
+    /// `across` are its coordinates parallel and perpendicular to this side of the raster.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

@@ -94,8 +94,8 @@ class TreeSums {
     /// Called if the surface of `chain` is missing in pixel k. Adds the recorded surfaces that it would
     /// reflect or transmit there. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that would reflect or transmit the surface of `chain` in pixel k: the
-    /// object of the nearest ancestor that the view sees.
+    /// Returns the id of the object that would reflect or transmit the surfaces of `chain` in pixel k: the
+    /// object that the view sees there one bounce earlier, or still earlier if it sees none.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. When a chain is first

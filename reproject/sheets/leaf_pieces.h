@@ -77,8 +77,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// What a corner of a quadtree leaf shows, compared with a given surface. `here` means that surface,
-    /// `before` means a nearer one, and `behind` means a farther one.
+    /// Tells whether a corner of a quadtree leaf shows a given surface (`here`), a nearer surface (`before`)
+    /// or a farther one (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };

@@ -44,8 +44,8 @@ struct TreeSurface {
 }
 
 /// Returns whether two samples can lie on one surface. They can if the line through both is inclined to the
-/// film by at most 88.6 degrees. A sphere with a radius of 1600 px reaches this angle half a pixel inside its
-/// outline. `across` is the distance of the samples on the film: a tangent for a perspective camera, and in m
+/// film by at most 88.6 degrees, like a sphere of 1600 px radius half a pixel inside its outline. `across` is
+/// the distance of the samples on the film: divided by the film distance for a perspective camera, and in m
 /// for an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a

@@ -31,9 +31,9 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// are divided, whether an unfinished block has its own sum, and the exposure in stops.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each half of the samples adds 1
-// channel for the sample count and 6 channels (three doubles) per sum. There is one sum per block of samples,
-// and one more for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each of the `halves` sets of
+// samples adds 1 channel for the sample count, and 6 channels for each sum (three doubles). It has one sum
+// per block, and one more for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));

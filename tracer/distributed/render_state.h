@@ -63,9 +63,9 @@ struct RenderPart {
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file that write_state has written with the same `settings`. The caller must have set the size and
-/// the number of halves of `state`. Throws Error(invalid_input) if the file was not written by write_state,
-/// is damaged or has other settings.
+/// Reads a file that write_state has written with the same `settings`. The caller must construct `state` with
+/// the size and `halves` of the render. Throws Error(invalid_input) if the file was not written by
+/// write_state, is damaged or has other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

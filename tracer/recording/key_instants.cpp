@@ -21,8 +21,8 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps into which the shutter interval is divided to measure rotations. Keyframes are added as
-// further instants. Between two instants, rotations are assumed to be less than 180 degrees.
+// Number of equal steps of the shutter interval. Rotations are measured between successive instants, the ends
+// of these steps and all keyframes. Such a rotation is assumed to be less than 180 degrees.
 constexpr int steps = 512;
 
 // An object needs a key (recorded instant) at which it has at least this fraction of its largest size. Its

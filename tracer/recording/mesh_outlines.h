@@ -34,7 +34,7 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns whether the outline of another part crosses a square in front of the part `shown`. (x, y) is
+    /// Returns whether the outline of another part, nearer than the part `shown`, crosses a square. (x, y) is
     /// the upper left corner of the square and `size` its width, px. The square must lie within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 

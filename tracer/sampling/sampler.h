@@ -72,7 +72,7 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes `lanes` values, 16 or 1, to each array. Values after the last sample of the pixel are not used.
+    /// Writes samples [first, first + lanes). `lanes` is 16 or 1. Samples from index `spp` on are undefined.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

@@ -35,8 +35,7 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Returns the light after its motion. `motion` is the transform that the light's keyframes define at an
-/// instant.
+/// Returns the light as moved by `motion`, the transform that its keyframes define at an instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
 /// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres

@@ -118,8 +118,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, for all groups of hits together. The rays are sorted by the number
-// of nodes that may still follow on their paths.
+// Traces the rays from index `first` on, which may belong to several groups. They must be sorted by
+// LobeHit::nodes_left of their hits. Rays with the same value are traced together.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

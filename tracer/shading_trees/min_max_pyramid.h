@@ -21,8 +21,8 @@ class MinMaxPyramid {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square or value at which an earlier search ended. It is tested first, because a nearby cone
-    /// probably contains the same value. A hint from another pyramid is allowed.
+    /// The value, or the square of values, at which an earlier search of any_in or maybe_any_in ended. It is
+    /// tested first, because a nearby cone probably contains it, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
