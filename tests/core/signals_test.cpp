@@ -26,6 +26,10 @@ using testing::StartsWith;
 
 class InterruptTest : public FolderTest {
   protected:
+    // A program in the background of a script may have been started with signals ignored.
+    InterruptTest() {
+        for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR1}) ::signal(signal, SIG_DFL);
+    }
     Job job_;
 };
 
