@@ -12,9 +12,9 @@
 namespace postlens {
 namespace {
 
-/// Tests whether the reprojection of a record to the rim of the lens is wrong by more than most_bend_px. This
-/// happens in mirrors and glass, because reprojection with the record's 2x2 matrix W is linear, but the true
-/// motion is not.
+/// Finds records that reprojection to the rim of the lens misplaces by more than most_bend_px. They are seen
+/// in mirrors or through glass: reprojection with the record's 2x2 matrix W is linear, but the true motion is
+/// not.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -31,10 +31,9 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns half the width of a record's blur, in px. A linear map M leads from the lens point, in lens radii,
-/// to the position in the image. The result is the root mean square of M's singular values. M is gain R (I/s
-/// - W), with the film distance in px (gain), the aperture radius R, the focus distance s and the record's
-/// 2x2 reprojection matrix W.
+/// Returns half the width of a record's blur, in px: the root mean square of the singular values of the
+/// matrix M = gain R (I/s - W). M converts lens points, in lens radii, to px. The gain is the film distance
+/// in px, R the aperture radius, s the focus distance, and W the record's 2x2 reprojection matrix.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -26,8 +26,8 @@ namespace postlens {
                                                        const std::optional<Crop>& crop = std::nullopt);
 
 /// Image of the light that is reprojected to wrong positions. It contains the radiance of all records that
-/// some lens point would show more than half a pixel from their true position. The radiance of each record is
-/// spread over a square as wide as the record's blur.
+/// are misplaced by more than half a pixel for some lens point. The radiance of each record is spread over a
+/// square as wide as the record's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);

@@ -44,8 +44,7 @@ BorderRadii BorderDepths::radii(const FocusGeometry& geometry, const ResponseMod
     const auto fill = [&](const std::vector<Range>& from, std::vector<float>& to) {
         std::transform(from.begin(), from.end(), to.begin(), [&](const Range& range) {
             if (range.farthest > range.nearest) return 0.0F;
-            // Surfaces in the middle of a depth range are blurred less than those at one of its ends. Only
-            // the two ends are therefore tested.
+            // Within a range of depths, blur is largest at one of the two ends, so only the ends are tested.
             const auto radius_px = [&](float inverse) {
                 return response.farthest_light_px(geometry.coc_diameter_px(static_cast<double>(inverse)) / 2);
             };

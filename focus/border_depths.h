@@ -11,16 +11,15 @@
 
 namespace postlens {
 
-/// The range of inverse depths at each pixel corner of the outermost traced rows and columns. Only surfaces
-/// that the pinhole sees directly count.
+/// The range of inverse depths at each pixel corner of the outermost traced rows and columns. Hidden,
+/// reflected and transmitted surfaces are ignored.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel corner at the border, how far the lens spreads the light of its surfaces, in
-    /// px.
+    /// Returns, for each pixel corner at the border, how far the lens spreads light from it, in px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

@@ -81,11 +81,9 @@ struct StripPlan {
 };
 
 /// Computes an image strip by strip, so that only the splats (impulse responses of samples) of one strip are
-/// in memory at a time. `draw(part)` computes one part of the image. The result is bit-identical to that
-/// without strips.
+/// in memory. `draw(part)` computes one strip. The image is bit-identical to one made without strips.
 ///
-/// The records are read twice to plan the strips. The records that a strip needs are then read again for that
-/// strip.
+/// The records are read twice to plan the strips, and then once more for each strip that needs them.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -127,9 +125,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry from px of the magnified image to px of the traced image. The traced image is
-/// blurred first and magnified afterwards. Its circles of confusion are therefore smaller by the factor
-/// `zoom`.
+/// Converts the geometry from px of the magnified image to px of the traced image. Circles of confusion are
+/// smaller in the traced image by the factor `zoom`, because the image is magnified after it is blurred.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -169,7 +166,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     };
     if (settings.method == FocusMethod::layers) {
         // On average, a record yields at most one splat, because most samples of a pixel are merged. The
-        // splats of a strip may use a sixth of the memory limit. Sorting and compositing need the rest.
+        // splats of a strip may use a sixth of the memory limit, because sorting and compositing need the
+        // rest.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
@@ -218,8 +216,8 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // A pixel counts for the warning if more than this share of its light comes from reflected or transmitted
-    // surfaces that were not recorded.
+    // A pixel is affected if more than this share of its light would come from reflections or refractions
+    // that were not recorded.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /

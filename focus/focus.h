@@ -30,10 +30,10 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. A sample uses the
-    /// response of the nearest of these depths. By default, this rounding changes a CoC diameter of up to
-    /// 2048 px by less than half a pixel, unless linear spacing would need more than most_linear_levels
-    /// depths.
+    /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. Each sample uses
+    /// the response of the nearest depth. By default, there are so many depths that this rounding changes CoC
+    /// diameters up to 2048 px by less than half a pixel. With linear spacing, there are at most
+    /// most_linear_levels depths.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
@@ -41,7 +41,7 @@ struct FocusSettings {
     /// All other pixels are undefined. Warnings count only the pixels within the crop.
     std::optional<Crop> crop;
     /// Memory limit, in bytes, for the splats (impulse responses of samples) of the methods `scatter` and
-    /// `layers`. If all splats may exceed this limit, the image is made in strips. The records are then read
+    /// `layers`. An image that may need more is made in strips (groups of rows), and the records are read
     /// again for each strip. The result is bit-identical.
     std::size_t splat_bytes = std::size_t{672} << 20;
 };

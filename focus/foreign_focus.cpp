@@ -45,8 +45,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all pixels whose content is known. These are the pixels that the file
-/// stores, and all other pixels of the raster, which are empty space.
+/// Returns the window of the corners of all pixels whose content is known: the pixels that the file stores,
+/// and all other pixels of the raster, which are empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -205,9 +205,10 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // sum of its weights. Without a weight for empty space, an object's light would fill the empty
-            // pixels beside it. `nothing_` contains the largest weight of empty space in each pixel.
+            // Without a weight for empty space, `scatter` would fill the empty pixels beside an object with
+            // its light, because each pixel is divided by its sum of weights. `nothing_` contains the largest
+            // weight of empty space in each pixel. `layers` composites empty space as the farthest surface
+            // instead.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -380,8 +381,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // The image is blurred first and magnified afterwards. In px of the image before magnification, circles
-    // of confusion are smaller by the factor `zoom`.
+    // The image is magnified after it is blurred. Circles of confusion are therefore smaller by the factor
+    // `zoom` in px of the image before magnification.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -40,9 +40,9 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory. A record yields at most one point sample, in a vector that may have twice
-    // the capacity it needs. It also yields at most one plain corner (sample between undivided pixels), which
-    // consists of a depth and three colour values.
+    // Upper bound of the memory. A record yields at most one point sample, stored in a vector whose capacity
+    // may be twice its size. It also yields at most one plain corner (sample between undivided pixels), which
+    // has a depth and three colour values.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

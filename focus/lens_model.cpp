@@ -23,8 +23,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Radius of a response, in px, from which fewer subpixel positions are used. The subpixel position of a
-    // sample is visible only if the response is smaller.
+    // Radius of a response, in px, from which fewer subpixel positions are used. In larger responses, the
+    // subpixel position is not visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
@@ -41,8 +41,9 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // An upper bound of the displacement by the anisotropic part of `map_px`, which mirrors and glass
-        // cause. The factor 1.5 allows for a pupil up to 1.5 times as large as the nominal aperture.
+        // Upper bound of the displacement by the anisotropic part of `map_px`, which occurs in mirrors and
+        // glass. The factor 1.5 allows for a pupil that is larger than the nominal aperture by up to this
+        // factor.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -63,7 +64,7 @@ class LensModel final : public ResponseModel {
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
         // A surface in a mirror or behind glass may have a large anisotropic response. This response is so
-        // faint that the aberrations of the lens are not visible in it, so an ellipse is sufficient.
+        // faint that the lens's aberrations are invisible in it, so an ellipse replaces it.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,9 +74,9 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the mean of the diagonal of W, a sample's 2x2 reprojection matrix. It corresponds to the
-    // inverse depth 1/z'. `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the
-    // aperture radius and s the focus distance.
+    // Returns the inverse depth of a sample: the mean of the diagonal of its 2x2 reprojection matrix W.
+    // `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the aperture radius and s
+    // the focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

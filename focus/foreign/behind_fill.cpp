@@ -16,20 +16,20 @@ namespace {
 /// Two neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this,
 /// in px.
 constexpr float least_step_px = 1;
-/// Largest distance, in px, at which a farther surface is searched for.
+/// Largest distance, in px, at which the search for a surface behind an edge ends.
 constexpr float farthest_px = 512;
 
-/// Two signed CoC radii of a sample, in px. `own` follows from the sample's true depth and decides what hides
-/// what. `blur` is the radius with which the sample is blurred. It differs from `own` if an effect, such as
-/// "keep this object sharp", changes the blur. Empty space is marked by infinite radii.
+/// Two signed CoC radii of a sample, in px. `own` is the radius for the sample's true depth and decides what
+/// hides what. `blur` is the radius with which the sample is blurred. It differs from `own` if an effect,
+/// such as "keep this object sharp", changes the blur. Empty space has infinite radii.
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample `other` lies behind the sample `own` and belongs to another surface. It does if
-/// the two samples' true radii or blur radii differ by at least least_step_px.
+/// Returns whether the sample `other` lies behind the sample `own` and belongs to another surface. This
+/// requires that the true radii or the blur radii of the two samples differ by at least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -37,8 +37,8 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// Each pixel has a stack of samples, from front to back. The search compares only the last samples of
-/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
+/// Each pixel has a stack of samples, from front to back. The search compares only the last (farthest) sample
+/// of each pixel. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -89,8 +89,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks translucent pixels in `fills_` if there is only empty space behind and around them. The search
-    /// treats the marked pixels as opaque. It treats all other pixels that are not opaque as empty space.
+    /// Marks, in `fills_`, translucent pixels that have only empty space behind and around them. The search
+    /// for farther surfaces treats these pixels as opaque, and all other translucent pixels as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -167,8 +167,9 @@ class BehindSearch::Impl {
     };
 
     /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until `take`
-    /// returns true. The walk ends where no circle of confusion can touch that of the first pixel, whose CoC
-    /// radius is `blur_px`. It also ends outside the raster and the stored pixels, where nothing is known.
+    /// returns true. `blur_px` is the CoC radius of the first pixel. The walk ends at the distance from which
+    /// no circle of confusion can touch that of the first pixel. It also ends outside the raster and the
+    /// stored pixels, where nothing is known.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -186,8 +187,8 @@ class BehindSearch::Impl {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
     }
-    /// Returns the largest distance, in px, at which another circle of confusion may touch one of this
-    /// radius.
+    /// Returns the largest distance, in px, at which a circle of confusion of the radius `blur_px` may touch
+    /// another one.
     [[nodiscard]] float limit_of(float blur_px) const {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
@@ -235,13 +236,13 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds, for each stored pixel, the next depth edge in direction `d`. A depth edge lies between a pixel
-    /// and its neighbour in this direction if the neighbour is farther from the camera. The depth of a pixel
-    /// is that of its last (farthest) sample. `steps` is set to the distance of the farther pixel, in px, or
-    /// to 0 if there is none within farthest_px.
+    /// Finds, for each stored pixel, the distance to the next depth edge in direction `d`. At a depth edge, a
+    /// pixel is followed by a neighbour that is farther from the camera. The depth of a pixel is that of its
+    /// last (farthest) sample. `steps` is set to the distance of this neighbour, in steps along `d`, or to 0
+    /// if there is no depth edge within farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
-        // In columns [first, end), the neighbour in direction `d` lies in a stored column.
+        // Pixels in the columns [first, end) have a neighbour in direction `d` that lies in a stored column.
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
             // The neighbour in direction d is visited before the pixel itself.
@@ -266,9 +267,9 @@ class BehindSearch::Impl {
             }
         }
     }
-    /// Computes `steps` for `count` adjacent pixels of a row, which begin at index `here`. Their neighbours
-    /// in the direction of the search begin at index `next`. If `backwards` is set, the last pixel comes
-    /// first.
+    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels of a row, which begin
+    /// at index `here`. Their neighbours in the direction of the search begin at index `next`. If `backwards`
+    /// is set, the last pixel is computed first.
     template <typename IsFarther>
     static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
                             std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
@@ -286,7 +287,7 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether a depth edge is so near that blur may reveal a farther surface at this pixel. At a
+    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there. At a
     /// depth edge, a pixel is farther from the camera than the pixel before it, in one of the eight
     /// directions.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
@@ -297,8 +298,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that is farther away than the surface at the pixel (x, y),
-    /// and that blur can reveal there. Its distance is 0 if there is no such surface.
+    /// Returns the first surface in a direction that lies behind the surface at the pixel (x, y) and may be
+    /// revealed by blur. If there is none, the returned distance is 0.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -326,9 +327,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Selects the object with the largest sum of weights (1 / squared distance). Moves its surfaces to the
-    /// front of `finds`, keeps their order, and returns their number. Without this selection, a small emitter
-    /// beside an edge would colour everything behind the edge.
+    /// Selects the object whose surfaces in `finds` have the largest sum of weights (1 / squared distance).
+    /// Moves these surfaces to the front of `finds`, keeps their order, and returns their number. Without
+    /// this selection, a small emitter beside an edge would colour everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -435,7 +436,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Pixels outside this window are unknown and do not count as empty.
+    // The content of pixels outside `known` is unknown, so they do not count as empty.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
@@ -466,8 +467,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // Half a pixel is added because the CoC is centred on the pixel. A quarter of a pixel is added
-            // because the rounding of depths may enlarge the CoC radius by that much.
+            // Half a pixel is added because the CoC is centred on the pixel, and a quarter of a pixel because
+            // rounded depths may enlarge the CoC radius by that much.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -1,4 +1,4 @@
-// Estimates what a lens sees past an edge but a flat image does not show: a farther surface or empty space.
+// Estimates what a lens sees behind an edge: a farther surface or empty space. A flat image does not show it.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace postlens {
 
 /// Returns the window that contains the raster (the file's display window) and all pixels that the file
-/// stores. The content of these pixels is known, because pixels of the raster that are not stored are empty
+/// stores. The content of all these pixels is known: pixels of the raster that are not stored are empty
 /// space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),

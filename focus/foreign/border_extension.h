@@ -41,7 +41,7 @@ class BorderExtension {
         int length_px = 0;
     };
     /// The samples of each pixel along one side, nearest first. The list is empty if the raster extends
-    /// beyond the stored pixels on this side, because the raster is empty space there.
+    /// beyond the stored pixels on this side: pixels of the raster that are not stored are empty space.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

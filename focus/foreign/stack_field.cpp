@@ -20,7 +20,7 @@ constexpr int rows_per_task = 32;
 /// Number of views that are drawn between two tests whether the job was cancelled.
 constexpr std::size_t views_per_look = 16;
 
-/// A view: its lens point, and the position of its samples within the pixels.
+/// A view is the image from one lens point. Its samples have the same position in every pixel.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
@@ -41,9 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and 0 otherwise. A
-/// view that sees none of the samples sees empty space in the first case, and something unknown in the
-/// second.
+/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and otherwise 0. It
+/// decides what a view sees if it sees none of the samples: empty space (1) or something unknown (0).
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -133,8 +132,8 @@ class Band {
     }
 
   private:
-    /// Position of a quadrilateral in the depth order. Of two quadrilaterals with the same depth, the one
-    /// with fewer samples in front of it in its own pixel is nearer.
+    /// Position of a quadrilateral in the depth order. At equal depth, a quadrilateral with fewer samples in
+    /// front of it in its own pixel is nearer.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -154,7 +153,7 @@ class Band {
         Depth depth;
     };
 
-    /// Converts the index of a pixel in this band, the rows of one task, to its index in the window.
+    /// Converts the index of a pixel in this band (the rows of one task) to the pixel's index in the window.
     [[nodiscard]] std::size_t in_window(std::size_t i) const {
         const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                   y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -162,7 +161,7 @@ class Band {
                static_cast<std::size_t>(x - s_.window.x_begin);
     }
 
-    /// Returns whether a view may show any sample of a row of pixels in this band.
+    /// Returns whether samples of a row of pixels may be reprojected into this band by a view.
     [[nodiscard]] bool reaches(const View& v, int row) const {
         const auto& [least, most] = facets_.range(row);
         if (!(least <= most)) return false;
@@ -174,8 +173,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the sample points of a view that lie inside a quadrilateral. There is one sample point per
-    /// pixel, at the integer positions of the view's coordinates.
+    /// Finds the sample points of a view that lie inside a quadrilateral. Each pixel has one sample point,
+    /// which has integer coordinates in the view.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -225,9 +224,9 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of those
-    /// before it. Which ones are opaque is random (is_opaque). The expected value equals compositing with the
-    /// operator "over".
+    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of all
+    /// quadrilaterals in front of it. Whether a quadrilateral is opaque is random (is_opaque). On average,
+    /// the result equals compositing with the operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -245,8 +244,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // The view sees nothing in a pixel without an opaque quadrilateral, or in a pixel whose nearest
-        // opaque quadrilateral lies beyond the image's border.
+        // A pixel of the view is unknown if it has no opaque quadrilateral, or if the nearest one lies beyond
+        // the image's border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

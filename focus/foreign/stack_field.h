@@ -39,7 +39,7 @@ struct StackField {
     /// The mean of the views, with premultiplied colours and an alpha for every pixel. Alpha is a random
     /// estimate, so it may exceed 1.
     Image image;
-    /// Per pixel of the window, the fraction of the views that see nothing known there. Such a view looks
+    /// Per pixel of the window, the fraction of the views in which the pixel is unknown. Such a view looks
     /// past the image's border or past the pixel's last sample. Views that see empty space do not count.
     std::vector<float> unseen;
     /// Per pixel of the window: the sum of the alphas of all samples that views see, holdouts included,

@@ -35,12 +35,12 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     // `seen` is the share of the sample's light that the pinhole sees, and `hidden` the share that other
-    // surfaces hide. Light behind a sample of the same surface is in neither: samples of one surface move
-    // together when the lens point moves, so no lens point sees this light.
+    // surfaces hide. Light behind a sample of the same surface is in neither share: both samples move
+    // together when the lens point moves, so no lens point sees it.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered` is the part of `hidden` that no lens point sees, because the hiding surface moves together
-    // with the hidden one when the lens point moves. `apart` is 0 for two surfaces that move together, and 1
-    // for two that move independently. Behind a translucent sample, it is computed as in `composite`.
+    // `covered` is the part of `hidden` that no lens point sees, because the hiding surface and the hidden
+    // one move together when the lens point moves. `apart` states how independently they move: 0 if together,
+    // 1 if independently. For a translucent hiding sample, it is computed as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {

@@ -8,12 +8,12 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If the weights of a reflection's own records add up to less than this at a pixel, a substitute is blended
-/// in: the reflection, scattered with the kernels of the mirror. The same applies to refraction.
+/// Records of a reflection or refraction may add up to less than this weight at a pixel. A substitute is then
+/// blended in: the same light, scattered with the kernels of the mirror or glass.
 constexpr double enough_weight = 0.05;
 
-/// One path (sequence of reflections and transmissions) at a pixel: the sums of its splats (impulse
-/// responses) and its radiance.
+/// A path (sequence of reflections and transmissions) at a pixel, with its splats (impulse responses) and its
+/// radiance.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -108,7 +108,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // `out.rgb` now contains the radiance of a path that continues this one, so no substitute is needed.
+        // A path that continues this one has supplied the radiance, so the substitute is not needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// From these CoC radii (px) on, samples are placed at multiples of a quarter pixel, or of a whole pixel.
-/// More samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
+/// CoC radii, in px, from which samples are placed at multiples of a quarter pixel or of a whole pixel. More
+/// samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii, in px, that are passed to NodeResponses::phases instead of the true radius, so that it places
-/// samples in steps of a quarter pixel or of a whole pixel.
+/// Radii, in px, for which NodeResponses::phases places samples in steps of a quarter pixel or of a whole
+/// pixel. They are passed instead of the true radius.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -79,9 +79,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges splats of a pixel that have the same part and kernel. A small hash table finds splats to merge with.
-// It uses the hash of the kernel's key, because the kernel's number depends on the timing of threads, and the
-// image must not.
+// Merges splats of a pixel that have the same part (LayerPart) and kernel. A small hash table finds
+// candidates. It uses the hash of the kernel's key: the kernel's number depends on the timing of threads,
+// which the image must not depend on.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;

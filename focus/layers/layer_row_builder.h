@@ -31,8 +31,8 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The records of one layer of a point sample, at the position (x, y). The pinhole sees layer 0, and the
-    /// other layers are hidden behind it.
+    /// The records of one layer of a point sample, at the position (x, y). Layer 0 is what the pinhole sees,
+    /// and the other layers are hidden behind it.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
@@ -55,8 +55,8 @@ class LayerSplats::RowBuilder {
     /// Returns the node of the current eye ray's shading tree with this path (sequence of reflections and
     /// transmissions), or null if there is none.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the node whose kernel blurs the outline of the node `from`. It differs from `from` for the far
-    /// side of a glass object.
+    /// Returns the node whose kernel blurs the outline of the node `from`. This is `from` itself, except for
+    /// the far side of a glass object, whose outline is that of the near side.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
     /// Adds the mask of the path that ends at the node `met`: the share of the parent node `from` that shows
     /// this path. The mask is blurred like the parent. `from` must have been added before.

@@ -111,8 +111,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by part (LayerPart) and tile, and otherwise keeps their order. Then appends the
-// row's runs to `runs`. A run contains the splats of one part in one tile of the row.
+// Sorts the splats of a row by part (LayerPart) and tile, in a stable order. Then appends the row's runs to
+// `runs`. A run contains the splats of one part in one tile of the row.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -239,8 +239,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Some rows of the file are not read again for this strip. Only those of their splats that reach far from
-    // their row are needed. These splats were kept when the rows were first read.
+    // Rows that are not read again for this strip contribute only the splats that reach far from their row.
+    // These splats were kept when the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

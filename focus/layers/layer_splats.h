@@ -43,8 +43,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen along the path. For a mask, it is the reflecting or transmitting surface that
-    /// shows the path. It is empty if that is the first surface on the eye ray, and for outer masks.
+    /// The surface that is seen along the path. For a mask, it is the surface that reflects or transmits the
+    /// path. It is empty for outer masks, and for masks of the first surface on the eye ray.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -63,8 +63,8 @@ struct LayerSplat {
     /// The part of `weight` that no lens point sees. It is hidden by a surface in front that moves together
     /// with the record's surface when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// Rectangle around the kernel, relative to the anchor (x, y), in units of `reach_step_px`. The splat is
-    /// skipped in blocks of the image outside this rectangle. LayerSplats computes it.
+    /// Rectangle around the kernel, relative to the anchor (x, y), in units of `reach_step_px`. Blocks of the
+    /// image outside this rectangle skip the splat. LayerSplats computes the rectangle.
     std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
     static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
     /// Returns whether the window and `rows` have a pixel in common.
@@ -74,13 +74,14 @@ struct LayerSplat {
     }
 };
 
-/// The splats of one LayerPart in one row of a tile (64 x 64 px): elements [begin, end) of the row's splats.
+/// The splats of one LayerPart (group that is summed together) in one row of a tile (64 x 64 px). They are
+/// the elements [begin, end) of the row's splats.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
 };
 
-/// The splats (impulse responses) of one LayerPart that are placed in one tile of 64 x 64 raster px.
+/// The splats of one LayerPart (group that is summed together) in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -114,8 +115,8 @@ class LayerSplats {
     /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of pixel corners, as needed for another program's image. Call
-    /// it before add_pixels. `known` is the window of the corners of the image's pixels. Samples outside this
-    /// window are estimates.
+    /// it before add_pixels. `known` is the window of the corners of the image's pixels. Samples beyond this
+    /// window are estimated.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -181,8 +182,8 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell);
-    /// Stores the splats of row y in rows_. Those that are not needed in memory are first removed from
-    /// `made`.
+    /// Stores the splats of row y in rows_, without those that are not needed in memory, which are removed
+    /// from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

@@ -38,9 +38,9 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and those for lens moments (sums of light times lens point). `by_lens` is the
-/// light times lens_per_px, and `by_x` is `by_lens` times the splat's x coordinate. LayerSums::lens_at()
-/// computes the moments from the sums of these values.
+/// The values of PlainValues, and additional values from which LayerSums::lens_at() computes lens moments
+/// (sums of light times lens point). `by_lens` is the light times lens_per_px, and `by_x` is `by_lens` times
+/// the splat's x coordinate.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
@@ -112,9 +112,9 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Sets `taps` to the differences between neighbouring values of a kernel row, at one edge of its uniform
-/// interior. `edge` contains the `count` values at this edge. `before` and `after` are the values to the left
-/// and right of them.
+/// Computes `taps`, the differences between neighbouring values of a kernel row at one edge of its uniform
+/// interior. `edge` contains the `count` values at this edge, `before` the value to their left and `after`
+/// the value to their right.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);

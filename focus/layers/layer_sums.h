@@ -1,4 +1,4 @@
-// Sums, over a block of pixels, of the splats (impulse responses) of one LayerPart, for example of one
+// Sums the splats (impulse responses) of one LayerPart over a block of pixels. A LayerPart is, for example, a
 // surface.
 #pragma once
 
@@ -21,8 +21,8 @@ namespace postlens {
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
-    /// Each sample lies `from_anchor_px` to the right of its anchor (integer raster position), and as far
-    /// below it.
+    /// `from_anchor_px` is the distance of samples from their anchors (integer raster positions), both to the
+    /// right and downwards.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, in px. A pixel needs up to 288 B, so the sums of a block fit into the L2 cache.
+/// Width of a block, in px. The sums of a pixel need up to 288 B, so those of a block fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
 /// Largest number of fragments (surfaces at a pixel) in memory at a time. Each fragment and its sums need

@@ -77,9 +77,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// The light of a surface that passes the surfaces in front of it. `add` multiplies `light` by `times` and by
-/// the transmittance `open`. Each colour channel and alpha are attenuated separately, according to their own
-/// lens moments.
+/// The light of a surface that is not hidden by surfaces in front. `add` adds `light` times `times` and the
+/// transmittance `open`. Each colour channel and alpha are attenuated separately, with their own lens
+/// moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -98,9 +98,10 @@ struct Arrived {
     }
 };
 
-/// Returns the coverage by those surfaces in front that move together with a given surface when the lens
-/// point moves. `radius_px` is the signed CoC radius of the given surface. The search runs towards the lens.
-/// It ends at a surface that moves independently, because all nearer ones do so as well.
+/// Returns the coverage by surfaces in front that move together with a given surface when the lens point
+/// moves. `radius_px` is the signed CoC radius of the given surface. The search begins directly in front of
+/// it and runs towards the lens. It ends at a surface that moves independently, because all surfaces nearer
+/// to the lens do so as well.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -130,20 +131,21 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
         // A surface in front with a similar CoC moves together with this one when the lens point moves. It
-        // hides nothing that the pinhole sees, so its coverage does not count.
+        // hides nothing of the part that the pinhole sees, so its coverage does not count.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // Limit the coverage by this surface. It is at most the share of the lens that is still uncovered. It
-        // is at least what remains of the surface if the surfaces in front hide as much of it as they can.
+        // Limit the coverage by this surface. The upper limit is the share of the lens that is still
+        // uncovered. The lower limit is the coverage that remains if the surfaces in front hide as much of
+        // this surface as they can.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, the same
-        // fraction of the hidden light is restored as of the hidden alpha. Scaling up the visible light
-        // instead could make a pixel arbitrarily bright where almost no alpha is visible.
+        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, hidden
+        // alpha and hidden light are restored by the same fraction. Scaling up the visible light instead
+        // could make a pixel arbitrarily bright if it shows almost no alpha.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)

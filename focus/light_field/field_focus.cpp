@@ -137,8 +137,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // If something moves, the views show some highlights that would otherwise be spread by their impulse
-    // responses: reflections in moving objects, and large highlights on moving surfaces.
+    // If something moves, some highlights are not spread by their impulse responses, but shown by the views:
+    // reflections in moving objects, and large highlights on moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -163,8 +163,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, highlights can only be selected if all surfaces are in memory at once (leave_to_lens).
-        // Here the surfaces are read strip by strip, so the function that selects highlights is removed.
+        // Images with rays can select highlights only if all surfaces are in memory at once (leave_to_lens).
+        // Here the surfaces are read strip by strip, so no highlights are selected.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -277,9 +277,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Highlights and rays need all surfaces that any lens point sees. Without rays or highlights, the
-        // surfaces that a view sees are enough. With rays, how a piece (square of the image) is drawn must
-        // not depend on the views of this call.
+        // Drawing needs all surfaces that a view sees, and with highlights or rays also those that any other
+        // lens point sees. With rays, how a piece (square of the image) is drawn must not depend on the views
+        // of this call.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

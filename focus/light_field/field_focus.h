@@ -47,8 +47,8 @@ struct FieldFocusSettings {
     /// strips (groups of rows), and the surfaces are read again for each image. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces rays where the records do not determine what a view sees. If null, no rays are traced. With
-    /// rays, all pixels are drawn, and none remains unknown. A highlight is then spread by its impulse
-    /// response only if all rays that hit it return the same radiance.
+    /// rays, all pixels are drawn and none remains unknown. A highlight is then spread by its impulse
+    /// response only if its radiance is the same for all rays that hit it.
     const SightRays* rays = nullptr;
 };
 
@@ -58,8 +58,8 @@ struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
 
-/// The views whose mean is an image. They are the views [first, first + count) of a set. The lens points of a
-/// set form one scrambled Sobol sequence.
+/// The views [first, first + count) of a set, whose mean is an image. The lens points of a set form one
+/// scrambled Sobol sequence.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
@@ -100,7 +100,8 @@ class FieldFocuser {
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Returns the instant at which the shutter has let through the fraction `u` (from 0 to 1) of the light.
+    /// Returns the instant at which the fraction `u` (from 0 to 1) of the exposure's light has been
+    /// transmitted.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
     /// Finds the parts of the image that show a single surface and are therefore left out. Uses the surfaces

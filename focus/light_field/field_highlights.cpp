@@ -14,23 +14,23 @@
 namespace postlens {
 namespace {
 
-/// If the smaller semi-axis of a highlight's CoC exceeds this, in px, the highlight counts as blurred. The
-/// mean of the views would show it as separate dots.
+/// A highlight counts as blurred if the smaller semi-axis of its CoC exceeds this, in px. The mean of the
+/// views would show such a highlight as separate dots.
 constexpr double spread_from_px = 2;
-/// If the smaller semi-axis of a highlight's CoC is below this, in px, a pixel receives the highlight's light
-/// through the whole lens.
+/// If the smaller semi-axis of a highlight's CoC is below this, in px, the whole lens sends the highlight's
+/// light to a single pixel.
 constexpr double seen_by_all_px = 0.5;
-/// Hardly blurred highlights are spread by their impulse responses only if the highlights of their surface
-/// within a square of the raster have a smaller total area than this, in px^2. sharp_px2 is the limit if
-/// nothing hides the highlights, small_px2 if they are reflected and partly hidden.
+/// A sharp highlight is spread by its impulse response only if the highlights of its surface within a square
+/// of the raster have a smaller total area than this, in px^2. The limit is sharp_px2 if nothing hides them,
+/// and small_px2 if they are reflected and partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Largest edge, in px, of the squares within which the highlights of one surface are merged.
 constexpr float merged_px = 0.5F;
-/// How often this edge may be halved. The centres of the smallest squares, of 1/8 px, are multiples of 1/16
-/// px, to which the positions of kernels are rounded (KernelKey::phase_steps).
+/// How often merged_px may be halved, down to squares of 1/8 px. Their centres are multiples of 1/16 px, to
+/// which the positions of kernels are rounded (KernelKey::phase_steps).
 constexpr int most_halvings = 2;
-/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The slope of the sRGB curve is 12.92
-/// there.
+/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The sRGB curve has the slope 12.92 at
+/// dark values.
 constexpr double invisible = 0.5 / 255 / 12.92;
 /// Neighbouring moving highlights are merged within squares, which are larger if the streak of a highlight
 /// needs more instants. The squares are 1/8 px wide for up to moments_of_eighths instants, 1/4 px wide for up
