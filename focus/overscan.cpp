@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// If missing light reaches less far into the image than this, in px, there is no warning.
+/// There is no warning if missing light reaches less far into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
 /// Returns, for each pixel along one side of the image, the distance in px to which light from beyond the

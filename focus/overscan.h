@@ -1,4 +1,4 @@
-// Warning about blurred pixels that lack light, because it comes from beyond the recorded area.
+// Warning about pixels that lack light, because the light comes from surfaces beyond the recorded area.
 #pragma once
 
 #include <optional>

@@ -32,20 +32,20 @@ constexpr int most_halvings = 2;
 /// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The sRGB curve has the slope 12.92 at
 /// dark values.
 constexpr double invisible = 0.5 / 255 / 12.92;
-/// Neighbouring moving highlights are merged within squares, which are larger if the streak of a highlight
-/// needs more instants. The squares are 1/8 px wide for up to moments_of_eighths instants, 1/4 px wide for up
-/// to moments_of_quarters, and merged_px wide beyond.
+/// Neighbouring moving highlights are merged within squares. A streak that needs more instants gets larger
+/// squares: 1/8 px wide for up to moments_of_eighths instants, 1/4 px for up to moments_of_quarters, and
+/// merged_px for more.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// A moving highlight becomes one source of light per instant. If all moving highlights together would have
-/// more than most_moving sources, each gets fewer instants, but not fewer than least_moments.
+/// A moving highlight becomes one light source per instant. If all moving highlights together would have more
+/// than most_moving sources, each gets fewer instants, but at least least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance of white. Radiance above this value is spread as a highlight.
+/// Radiance of white. Light above this value is spread as a highlight.
 constexpr float white = 1;
-/// Smallest radiance above white, in any channel, of a highlight that does not move. Dimmer light is shown by
-/// the views with little noise.
+/// Smallest radiance above white, in any channel, of a highlight that does not move. The views show dimmer
+/// light with little noise.
 constexpr float least_radiance = 1;
-/// Edge, in px, of the squares of the image in which all highlights of a surface share one computation of
+/// Edge, in px, of squares of the image. All highlights of a surface in one square share a computation of
 /// visibility.
 constexpr double group_px = 1.5;
 
@@ -108,12 +108,12 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // An impulse response does not show that a surface inside a mirror hides a part of the reflection. A
-        // sharp reflected highlight that is partly hidden is therefore shown by the views, unless it is so
-        // small that few views would hit it.
+        // An impulse response cannot show that a surface inside a mirror hides a part of a reflection. The
+        // views therefore show sharp reflected highlights that are partly hidden, unless they are so small
+        // that few views would hit them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // The views show a partly hidden highlight if it is hardly blurred. They also show it if it is wider
-        // than its blur, because one shadow of a nearer surface would not be correct for all its parts.
+        // The views show a partly hidden highlight if it is sharp. They also show it if it is wider than its
+        // blur: different parts of it would need different shadows of a nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -238,15 +238,14 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. The
-    // views of the whole lens then decide whether the pixel sees the highlight, not only those near one lens
+    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. Views
+    // from the whole lens then decide whether the highlight is visible, and not only those near one lens
     // point.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // An impulse response is the image of a point, which lies in one pixel. A moving highlight has an area
-    // and may cross the border between two pixels. If its impulse response is as small as a pixel, the
-    // highlight is therefore divided at the border.
+    // A sharp moving highlight may cross the border between two pixels and is then divided at this border.
+    // Its impulse response would put all of its light into one pixel.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {

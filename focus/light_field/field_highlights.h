@@ -1,5 +1,5 @@
-// Spreads the highlights of a light field with their exact impulse responses. Nearer surfaces may hide a
-// highlight.
+// Spreads the highlights of a light field with their exact impulse responses, taking into account which of
+// them nearer surfaces hide.
 #pragma once
 
 #include <memory>
@@ -17,8 +17,8 @@
 namespace postlens {
 
 /// Returns the rule that selects the highlights to be spread by their impulse responses. The views show all
-/// other highlights. Each view shows one copy, so the mean of a few views shows separate copies. No highlight
-/// is selected if the impulse response varies over the image or has spherical aberration.
+/// other highlights. In the mean of a few views, a blurred highlight would appear as separate copies, one per
+/// view. No highlight is selected if the impulse response varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
@@ -37,16 +37,16 @@ class FieldHighlights {
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     /// Returns the light of the highlights for one set of views. `set` is the number of the set, and also a
-    /// random seed for the positions at which visibility is sampled. `instants` contains the instant of each
-    /// view, as the fraction of the exposure that has passed. It may be empty if nothing moves. The result
-    /// keeps a reference to this object.
+    /// random seed for the positions at which visibility is sampled. `instants` contains, for each view, the
+    /// fraction of the exposure that has passed. It may be empty if nothing moves. The result keeps a
+    /// reference to this object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
-    /// (Lights::aim). A line runs from a random point of a highlight to a lens point from which the pixel
-    /// sees this point. Sharp moving highlights get random lines through the pixel instead, at instants at
-    /// which they are near.
+    /// (Lights::aim). Each line connects a random point of a highlight with a lens point from which the pixel
+    /// sees this point. For sharp moving highlights, it is a random line through the pixel, at an instant at
+    /// which the highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the sources whose light may reach a rectangle of the image. The rectangle must
@@ -55,9 +55,9 @@ class FieldHighlights {
 
   private:
     class OverViews;
-    /// One of the highlights that are merged into a source, which is spread like a single point of light. The
-    /// highlight is a square with the centre `at`, in px relative to the source's position. `area_until` is
-    /// the total area, in px^2, of this highlight and those before it in the source.
+    /// A highlight that is merged with others into a source, which is spread like a single point of light.
+    /// The highlight is a square with the centre `at`, in px relative to the source's position. `area_until`
+    /// is the total area, in px^2, of this highlight and those before it in the source.
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -88,9 +88,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// The highlights of a group (neighbouring highlights) whose light reaches a tile (square of the image).
-    /// Their visibility is sampled at `samples` positions per pixel. If `samples` is 0, the views decide on
-    /// visibility.
+    /// A group of neighbouring highlights whose light reaches a tile (square of the image). Visibility is
+    /// sampled at `samples` positions per pixel. If `samples` is 0, the views decide which highlights are
+    /// visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -102,8 +102,8 @@ class FieldHighlights {
     /// Adds a source that consists of the last `parts` elements of parts_, the highlights merged into it.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of pixels within a tile (square of the image). `share` contains the fraction of a group of
-    /// highlights that each pixel sees.
+    /// A rectangle of pixels within a tile (square of the image). `share` contains, for each pixel, the
+    /// fraction of a group of highlights that is visible.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};

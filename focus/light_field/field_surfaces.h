@@ -47,16 +47,16 @@ inline constexpr double most_surface_bytes_of_record = 400;
 /// read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views` describes the light field and its views, without surfaces.
-    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It limits the
-    /// blur of highlights, and thus the rows for which they are read. `motion` is null if no highlight moves.
+    /// Keeps references to its arguments. `views` describes the light field and its views, but contains no
+    /// surfaces. `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It
+    /// limits the blur of highlights, and thus the rows for which they are read. `motion` is null if no
+    /// highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
     /// Returns the surfaces that reach the raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by only one thread at
-    /// a time.
+    /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
     void visit(std::size_t instant, const SurfacesVisit& visit);
     /// Divides the window's rows into strips, each of which consists of whole rows of tiles (squares of the
     /// image). A strip has at most `most_records` records, unless a single row of tiles already has more.

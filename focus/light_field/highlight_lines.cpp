@@ -14,8 +14,8 @@ namespace {
 
 /// Number of attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// If a sharp moving highlight passes near a pixel, this many times as many lines are aimed, because many of
-/// them miss the highlight.
+/// Factor for the number of lines that are aimed at sharp moving highlights near a pixel. It is large because
+/// many of these lines miss the highlight.
 constexpr int passing_lines = 16;
 
 /// Sharp moving highlights of one surface that pass near a pixel. `spans` contains the parts of the exposure
@@ -39,8 +39,8 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// Returns the instant at which the fraction `part` of the total duration of the spans has passed. Spans
-    /// are parts of the exposure.
+    /// Returns the instant at which the fraction `part` of the spans' total duration has passed. Spans are
+    /// parts of the exposure.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -158,8 +158,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
         // For a response smaller than a pixel, choose a random lens point and compute the line's position in
-        // the pixel. For a larger response, choose the position and compute the lens point. Otherwise few
-        // lines would pass through both the pixel and the lens.
+        // the pixel. For a larger response, do the opposite. Otherwise few lines would pass through both the
+        // pixel and the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

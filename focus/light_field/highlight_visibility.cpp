@@ -20,8 +20,8 @@ namespace {
 
 /// A surface hides a highlight if its 1/z' exceeds the 1/z' of the highlight by more than this factor.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile (square of the image). They may cost as much as
-/// drawing this number of views of the tile, or all of its views if there are more.
+/// Limit for the cost of all visibility samples of a tile (square of the image), in views of the tile. If the
+/// tile has more views than this, their number is the limit instead.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
@@ -39,8 +39,8 @@ constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// Adds the light of the highlights to one set of views. Contains tables of the views nearest to each lens
-/// point, which decide whether a highlight is visible.
+/// Adds the light of the highlights to one set of views. Tables of the views nearest to each lens point
+/// decide whether a highlight is visible.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -69,8 +69,8 @@ class FieldHighlights::OverViews final : public Lights {
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
     /// The views that decide whether a highlight is visible. `nearest` is a table of `edge` x `edge` cells
-    /// over the lens, with the views nearest to each cell. `all` contains the views for highlights that are
-    /// hardly blurred (Source::by_all).
+    /// over the lens, with the views nearest to each cell. `all` contains the views that decide for sharp
+    /// highlights (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
@@ -97,8 +97,8 @@ class FieldHighlights::OverViews final : public Lights {
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in
-    /// image px. The tested views are those near the lens point through which the source's light reaches the
-    /// pixel. If Source::by_all is set, views of the whole lens are tested.
+    /// image px. Tested are the views near the lens point through which the source's light reaches the pixel,
+    /// or views of the whole lens if Source::by_all is set.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Returns whether one view sees the source at a pixel of the tile.
@@ -210,7 +210,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
     }
     // Select the groups of highlights whose visibility is sampled, the brightest first. A sample draws the
     // surfaces in front of a group. Its cost is the share of the tile that the group's light reaches, but at
-    // least least_cost. The total cost is limited to the number of views, or to least_drawn if that is more.
+    // least least_cost. The total cost must not exceed the number of views or least_drawn, whichever is
+    // larger.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -245,9 +246,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     // Random offset of the positions at which visibility is sampled. It differs between groups, so that not
-    // all of them miss the same nearer surface. It differs between sets of views, so that the difference
-    // between their images shows the sampling error. It is computed from the group's position, because the
-    // number of a group depends on the crop.
+    // all of them miss the same nearer surface. It also differs between sets of views, so that the difference
+    // between their images shows the sampling error. It depends on the group's position instead of its
+    // number, which depends on the crop.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -261,8 +262,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Skip patches (planar parts of surfaces) that lie behind the highlight. Patches are sorted by
-            // the depths of their corners, so nearer ones may follow.
+            // Skip patches (planar parts of surfaces) behind the highlight. Nearer ones may follow, because
+            // patches are sorted by the depths of their corners.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -278,7 +279,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         return;
     }
     // A nearer surface casts one shadow for each highlight of a group. If these shadows are visibly far
-    // apart, four points with the standard deviation of the highlights replace the group's centre.
+    // apart, four points replace the group's centre. They have the same standard deviation as the highlights.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -323,8 +324,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // All highlights of a group share one visibility if it is sampled. They also share it if the views of
-        // the whole lens decide on it and nothing moves.
+        // All highlights of a group share one visibility if it is sampled, or if views of the whole lens
+        // decide on it and nothing moves.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

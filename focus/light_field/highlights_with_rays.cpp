@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Identifies a surface by what a ray can determine: the path, the id of the last reflecting or transmitting
-/// object, the id of the surface, and the square of the raster in which the surface lies.
+/// What a ray can determine about a surface: the path, the id of the last reflecting or transmitting object,
+/// the id of the surface, and the square of the raster in which the surface lies.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -29,9 +29,8 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
 }
 
 /// Returns whether the records contain all of a highlight's light, for every lens point. A directly visible
-/// highlight must not be hidden, except for parts that are recorded as hidden surfaces. A highlight in a
-/// mirror or behind glass must not be hidden at all. Its reprojection must also be accurate over the whole
-/// lens.
+/// highlight may be hidden only where hidden surfaces are recorded. A highlight in a mirror or behind glass
+/// must not be hidden at all, and its reprojection must be accurate over the whole lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -43,7 +42,7 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 ///
 /// Rays through the pinhole measure the slope of the surface at random points of `lights`, the directly
 /// visible highlights of object `id`. A slope is steep if some point on the rim of the lens sees the surface
-/// edge-on there. The result is true if at least half of the slopes are steep. A few steep slopes are normal,
+/// edge-on. The result is true if at least half of the slopes are steep. A few steep slopes are normal,
 /// because even a round surface is steep at its outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {

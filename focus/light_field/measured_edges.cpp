@@ -21,16 +21,16 @@ namespace {
 /// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
 /// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area, in px^2, below which a light counts as small. Its area must be known well, because the brightness of
-/// its circle of confusion is proportional to it. Pixels with a small light are measured with finest_rays x
-/// finest_rays rays near the recorded light. The error of the area is then at most 1 %.
+/// Area, in px^2, below which a light counts as small. Pixels with a small light are measured with up to
+/// finest_rays x finest_rays rays near the recorded light. The error of its area is then at most 1 %. This is
+/// important, because the brightness of its circle of confusion is proportional to its area.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
 /// Number of squares, along each axis, into which the measured part of a pixel is divided. The rays that hit
 /// the light within a square form one highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured, as a fraction of the number of pixels of all surfaces. At
-/// least least_measured pixels are allowed. If more pixels contain an edge, none are measured.
+/// Largest number of pixels that are measured, as a fraction of the number of pixels of all surfaces. The
+/// limit is at least least_measured pixels. If more pixels contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area in a pixel, in px^2, count as filling the whole pixel.
@@ -59,10 +59,10 @@ struct BrightSurface {
     ///
     /// Leaves out pixels in which a nearer surface hides a part of the light, because rays through the
     /// pinhole do not reach that part. Unless the light is small, also leaves out pixels in mirrors and
-    /// glass, and pixels whose records are denser than the rays.
+    /// glass, and pixels with more records than rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel into which the light that is recorded in the pixel and its neighbours may
-    /// extend.
+    /// Returns the part of a pixel that recorded light may cover, including light recorded in neighbouring
+    /// pixels.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
     /// Traces `across` x `across` rays through a part of a pixel, and returns the highlights that they hit.
     [[nodiscard]] std::vector<Highlight> measured(const EdgeArea& area, std::size_t across,
@@ -84,8 +84,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light may extend to the next record, which is one cell edge away. A record represents a
-            // quarter of its cell, so the edge is 2 sqrt(area).
+            // A light may extend as far as the next record, that is, by the edge of its quadtree cell. Its
+            // area is that of a quarter of the cell, so the edge is 2 sqrt(area).
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -140,7 +140,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // Area of the light in the 5 x 5 pixels around this one. It decides whether the light is small.
+            // Area of the light in 5 x 5 pixels, centred on this one. It decides whether the light is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {

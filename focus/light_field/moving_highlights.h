@@ -1,5 +1,5 @@
-// Highlights that move during the exposure. Each is spread by its impulse responses at so many instants that
-// they form a continuous streak.
+// Highlights that move during the exposure. Each is spread by its impulse responses at many instants, which
+// form a continuous streak.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace postlens {
 class HighlightMotion {
   public:
     /// A moving highlight is spread as a streak of impulse responses if the highlights of its surface within
-    /// a square of the raster have less total area than this, in px^2. Larger ones already form streaks in
-    /// the mean of the views.
+    /// a square of the raster have a smaller total area than this, in px^2. Larger ones already form streaks
+    /// in the mean of the views.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
     /// highlights already look smooth in the mean of the views.
@@ -43,10 +43,10 @@ class HighlightMotion {
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Returns how many instants are needed, so that the impulse responses of a highlight form a continuous
-    /// streak. From one instant to the next, the highlight may move and grow by at most half a pixel, or by a
-    /// quarter of its CoC radius if that is more. The number is a power of two, and at most `most_moments`.
-    /// It is 1 if the highlight does not move.
+    /// Returns how many instants a highlight needs for its impulse responses to form a continuous streak.
+    /// From one instant to the next, the highlight may move and grow by at most half a pixel, or by a quarter
+    /// of its CoC radius if that is more. The number is a power of two, and at most `most_moments`. It is 1
+    /// if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` instants, one in each of `count` equal parts of the exposure.

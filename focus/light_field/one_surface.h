@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface. A
-/// cell is 1 if they see one object, whose surface neither overlaps itself nor is too steep for the lens.
-/// Otherwise it is 0. Cells are stored row by row.
+/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface.
+/// The value of a cell is 1 if the lens sees a single object there, whose surface neither overlaps itself nor
+/// is too steep for the lens, and otherwise 0. Cells are stored row by row.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;

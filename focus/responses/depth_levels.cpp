@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest difference between the CoC diameters of neighbouring levels, in px, if the levels have equal steps
-/// of z'. A smaller value would need too many levels (most_linear_levels).
+/// Largest difference, in px, between the CoC diameters of neighbouring levels with equal steps of z'. A
+/// smaller limit would need too many levels (most_linear_levels).
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -96,9 +96,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth that lies outside the range by at most half a step uses the level at the end of the range.
-    // Depths farther outside have no level. The depth of a directly visible surface is never outside the
-    // range.
+    // A depth outside the range by at most half a step uses the level at the end of the range. Depths farther
+    // outside have no level. The depth of a directly visible surface is never outside the range.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -31,7 +31,7 @@ struct KernelRow {
 };
 
 /// Limits of a kernel: columns [-x, x) and rows [-y, y), in px, relative to the anchor (the integer raster
-/// position at which the kernel is placed). No anchor is farther than this from a pixel of the image.
+/// position at which the kernel is placed). They contain all pixels of the image, whatever the anchor.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -158,8 +158,8 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
-    /// that is not needed refers to some other kernel.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The numbers of
+    /// unused discs refer to other kernels.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -83,9 +83,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Keys that become equal in one step nearly always stay equal. Only one of them is therefore
-        // processed in the next step. The keys are sorted first, so that the choice does not depend on the
-        // order in which threads requested them.
+        // Keys that become equal in one step nearly always stay equal, so only one of them is processed in
+        // the next step. The keys are sorted first: their order depends on the threads that requested them,
+        // and the choice must not.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -104,8 +104,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. The error
-    // is not weighted by the number of samples that use a shape, which is unknown.
+    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. It is not
+    // weighted by the number of samples with these sizes, which is unknown.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

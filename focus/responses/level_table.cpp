@@ -18,7 +18,7 @@ constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
 /// A sample is not blurred if its CoC diameter, in px, is below this. The traced image is already about that
-/// soft where quadtree cells of different sizes meet. More blur would lower the PSNR.
+/// soft where quadtree cells of different sizes meet, and more blur would lower the PSNR.
 constexpr double sharp_below_px = 0.4;
 /// From the diameter even_px on, each level has a diameter 1/500 larger than the level before.
 constexpr double levels_per_e = 500;

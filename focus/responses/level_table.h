@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The CoC diameters for which impulse responses are computed. A circle of confusion uses the nearest of
-/// them. They are the same for all lenses. The steps between the diameters grow from 1/8 px to half a pixel.
+/// The CoC diameters for which impulse responses are computed. They are the same for all lenses. A circle of
+/// confusion uses the nearest diameter. The steps between the diameters grow from 1/8 px to half a pixel.
 /// Above `even_diameter_px`, each step is 1/500 of the diameter.
 class LevelTable {
   public:

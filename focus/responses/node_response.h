@@ -66,8 +66,8 @@ class NodeResponses {
     /// the normalisation are multiplied by this share. It is 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`
-    /// (vignetting). The weights of the splats that reach the pixel add up to this share. Division by the sum
-    /// of the weights removes the vignetting, so the pixel must be multiplied by the share.
+    /// (vignetting). The splats that reach the pixel have weights that add up to this share. Dividing by the
+    /// sum of weights would remove the vignetting, so the pixel must then be multiplied by the share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, from which a sample is scattered as a whole. A sample with a smaller radius is divided
-/// between the pixels around it if its weight differs between them.
+/// CoC radius, in px, from which a sample is scattered as a whole. A smaller sample whose weight differs
+/// between the pixels around it is divided between them.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions per px, along each axis, at which kernels of this radius are
@@ -23,9 +23,9 @@ int phases_per_px(double radius_px) {
 /// Returns the displacement, in px, of a sample at a corner between quadtree leaves (undivided cells) of
 /// different sizes. It corrects an integration error that would blur edges.
 ///
-/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, its error
-/// is h^2 / 12 times the slope of the colour (Euler-Maclaurin). To compensate for it, each leaf's part of a
-/// corner sample, which has the weight h / 2, is moved by h / 6 into the leaf.
+/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, the rule
+/// has an error of h^2 / 12 times the slope of the colour (Euler-Maclaurin). To compensate for it, the part
+/// of a corner sample that belongs to a leaf, with the weight h / 2, is moved by h / 6 into this leaf.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -79,8 +79,7 @@ Phases phases_of(const PointSample& s, double radius_px) {
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
         // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. The sample's
-        // part in each leaf is moved to the centre of this quarter, a quarter of the leaf's edge away from
-        // the corner.
+        // part in each leaf is moved to the centre of this quarter, by a quarter of the leaf's edge.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -43,8 +43,7 @@ class ResponseModel {
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
     /// Returns the width, in px, of a square of the image in which one kernel can be used for all responses
-    /// with this map. The outline changes too little within the square to be visible. 0 means the whole
-    /// image.
+    /// with this map, because the outline does not change visibly. 0 means the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,

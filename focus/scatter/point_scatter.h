@@ -25,16 +25,17 @@ class PointScatter {
     /// Computes the sums of all splats that reach `rows`, which is a part of tables.picture().
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that splats may reach, which may be empty. Sums outside this part are zero and not
+    /// The part of `rows` that splats may reach, which may be empty. Outside it, sums are zero and not
     /// stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// Returns the four sums of a pixel within reached(). The sums of the next pixels of the row follow.
+    /// Returns the sums of red, green, blue and weight of a pixel within reached(). Those of the next pixels
+    /// of the row follow.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row with kernels of similar size (one of the reach_classes) that may reach
-    /// rows_.
+    /// The splats of one source row that may reach rows_ and have kernels of similar size (one of the
+    /// reach_classes).
     struct Pass {
         std::span<const Splat> splats;
         int y;

@@ -89,8 +89,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the result of filtering a source row in which all values are 1. No filtering is needed for it,
-/// because the result is the sum of the kernel row.
+/// Adds the result of filtering a source row in which all values are 1. This is the sum of the kernel row, so
+/// no filtering is needed.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -129,9 +129,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// The colours of the line, for each channel. If the run covers the whole line, `in_raster` points to the
-    /// colours in the raster. Otherwise `in_raster` is null, and a copy of the colours begins at index
-    /// `line_at` of lines_. The running sums of the colours begin at index `running_at` of running_.
+    /// The colours of the line, for each channel. If the run covers the whole line, `in_raster` points to
+    /// them in the raster. Otherwise `in_raster` is null, and a copy begins at index `line_at` of lines_. The
+    /// running sums of the colours begin at index `running_at` of running_.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -152,7 +152,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows of the block that no run has reached are included, so that their sums become 0.
+    // Rows of the block that no run has reached are also flushed, which sets their sums to 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -217,8 +217,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
     // A line is the part of a source row that is filtered for a run (adjacent samples with the same disc). It
-    // contains the columns of all strips that the run reaches, and `reach` more columns on either side,
-    // because the kernel extends that far. The running sums need one more column.
+    // contains the columns of all strips that the run reaches, and `reach` more columns on either side for
+    // the kernel. The running sums need one more column.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);

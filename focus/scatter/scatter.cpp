@@ -29,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// The sums of one row of a strip for each channel. Each element points to strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel: `weight`, the sum of the weights of its samples, plus a weight for empty
-/// space. The latter fills the sum up to 1, but is at most `most_nothing`.
+/// Returns the divisor of a pixel: `weight`, the sum of the weights of its samples, plus the weight of empty
+/// space. Empty space fills the sum up to 1, but its weight is at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

@@ -1,6 +1,6 @@
 // The method `scatter` [potmesil1981]. It distributes the energy of each sample over the sample's circle of
 // confusion. It then divides each pixel by the sum of the weights that the pixel received. If this sum is
-// below 1, empty space may supply the missing weight (SplatTables::let_nothing_fill).
+// below 1, empty space may fill the rest of the pixel (SplatTables::let_nothing_fill).
 #pragma once
 
 #include "focus/scatter/splat_tables.h"

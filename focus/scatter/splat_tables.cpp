@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
 /// Returns the smallest number of adjacent samples with the same disc that are faster to add as one run than
-/// as single splats. The cost of a run grows with the area of the disc, and that of a splat only with the
+/// as single splats. The cost of a run is proportional to the area of the disc, and that of a splat to the
 /// length of its outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
@@ -244,8 +244,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // A kernel may lie up to 1 px from its anchor (integer raster position), so 1 px is added to the largest
-    // distance.
+    // A kernel may lie up to 1 px from its anchor (integer raster position), so 1 px is added.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -367,8 +366,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Some rows are not added again for this strip. Only those of their splats that reach far from their row
-    // are needed. These splats were kept when the rows were first added.
+    // Rows that are not added again for this strip contribute only the splats that reach far from their row.
+    // These splats were kept when the rows were first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

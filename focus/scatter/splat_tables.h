@@ -95,27 +95,28 @@ class SplatTables {
     /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
     /// Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill pixels in which the weights add up to less than 1. `most` contains, for each
-    /// pixel of the image, row by row, the largest share that may be empty. Without this call, every pixel is
+    /// Lets empty space fill pixels in which the weights add up to less than 1. `most` contains, row by row,
+    /// the largest share of each pixel of the image that may be empty. Without this call, every pixel is
     /// divided by its sum of weights, as if no part of it were empty.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
     /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
-    /// is added. Rows that are added before finish() then only serve to find the kernels and the runs
-    /// (adjacent samples with the same disc).
+    /// is added. Rows added before finish() then only determine which kernels and runs (adjacent samples with
+    /// the same disc) are needed.
     void survey() { keep_ = Keep::none; }
     /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
-    /// reach it are kept. Returns the ranges of rows [begin, end) that the caller must add once more, in this
-    /// order, before finish_strip(). For the first strip, these are all rows. The height of each strip must
-    /// be a multiple of `block_px`.
+    /// reach it are kept. Returns ranges of rows [begin, end), which are all rows for the first strip. The
+    /// caller must add these rows once more, in this order, before finish_strip(). The height of each strip
+    /// must be a multiple of `block_px`.
     ///
     /// Call it after finish(), once for each strip.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of splats that reach the rows of blocks [begin, end). The splats are counted while
-    /// rows are added for the first strip, which may be empty. Call it after that strip is finished.
+    /// Returns the number of splats that reach the rows of blocks [begin, end). Splats are counted while rows
+    /// are added for the first strip, so call this function after that strip is finished. The first strip may
+    /// be empty.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -131,8 +132,8 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The pixel rows that runs (adjacent samples with the same disc) reach, relative to their own row, in
-    /// the whole table. class_reach states the same for the splats of one reach class.
+    /// The pixel rows that runs (adjacent samples with the same disc) in the whole table reach, relative to
+    /// their own row. class_reach contains the same information for the splats of one reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {

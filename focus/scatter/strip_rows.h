@@ -60,8 +60,8 @@ class StripRows {
         }
     }
     /// Limits the memory of the kept items. While they exceed the limit, the distance from which an item
-    /// counts as far is doubled, and nearer items are dropped. Call this function each time that further rows
-    /// are complete.
+    /// counts as far is doubled, and nearer items are dropped. Call this function after each addition of
+    /// complete rows.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
