@@ -8,7 +8,7 @@ namespace postlens {
 
 /// Returns the exception that is being handled, converted to an Error. Call this function only inside a catch
 /// clause. A std::system_error is reported as a failure to start a thread, because code that uses files
-/// catches its own system errors.
+/// handles its own system errors.
 [[nodiscard]] Error caught_error();
 
 }  // namespace postlens

@@ -94,7 +94,7 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // If the TBB arena is full, TBB runs `work` on another thread, and that thread needs its own JobScope.
+    // If the TBB arena is full, `work` runs on another thread, which needs its own JobScope.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

@@ -21,7 +21,7 @@ namespace {
 /// Size of a huge page on x86-64, and on ARM if ordinary pages have 4 KB.
 constexpr std::uintptr_t huge_page_bytes = std::uintptr_t{1} << 21;
 
-/// Requests huge pages for the addresses from begin to end. Both must be multiples of the size of a huge
+/// Requests huge pages for the addresses from begin to end, which must be multiples of the size of a huge
 /// page. If the kernel refuses, the addresses keep small pages. If some addresses are not mapped, madvise
 /// returns an error, but still applies the request to all others.
 void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
@@ -40,8 +40,8 @@ constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Requests huge pages for the addresses after a block, where malloc will place the next blocks. This is done
-/// once for each huge page in which a block ends. It must be done early: malloc writes to the memory behind
-/// each block, and the first write to an address decides the size of its page.
+/// once for each huge page in which a block ends. It must precede the first write to an address, which
+/// decides the size of its page, and malloc itself writes to the memory behind each block.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;

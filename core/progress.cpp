@@ -88,8 +88,8 @@ void Progress::advance(std::uint64_t units) {
     const double elapsed_s = seconds_since(start_);
     const auto elapsed_ms = static_cast<std::int64_t>(elapsed_s * 1000);
     auto due = next_report_ms_.load(std::memory_order_relaxed);
-    // Only the thread that succeeds in updating the time of the next report makes the report. The other
-    // threads continue their work.
+    // Only the thread that updates the time of the next report makes the report. The other threads continue
+    // their work.
     if (elapsed_ms >= due && next_report_ms_.compare_exchange_strong(due, elapsed_ms + 100)) {
         report(elapsed_s, false);
     }

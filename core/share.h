@@ -15,8 +15,8 @@ struct Share {
     }
 };
 
-/// Whether a run computes the items (such as images) that are missing in the folder, or only joins the
-/// existing ones. Those come from earlier runs, each of which computed one share (part) of the items.
+/// Whether a run computes missing items (such as images), or only joins the items that are in the folder.
+/// These come from earlier runs, each of which computed one share (part) of the items.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

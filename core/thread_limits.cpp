@@ -42,8 +42,7 @@ void require_threads(int number) {
 }
 
 int library_threads() {
-    // With more threads, each would have little work, and a limit on memory or processes could prevent them
-    // from starting.
+    // More threads would have little work each, and may fail to start if memory or processes are limited.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

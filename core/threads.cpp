@@ -65,8 +65,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
-                              // Checks for cancellation every `grain` indices. One check per range would be
-                              // too rare, because a range from TBB can be many times as long as `grain`.
+                              // Checks for cancellation every `grain` indices. A range from TBB can be many
+                              // times longer, so one check per range would be too rare.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

@@ -9,8 +9,7 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // toml++ gives no position for a table that is defined only implicitly. Messages about such a table name
-    // line 1.
+    // toml++ gives no position for a table that is defined only implicitly. Line 1 is then used in messages.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
 
@@ -134,8 +133,8 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // The keys of a table are sorted by name, but the error should name the unknown key that comes first
-        // in the file.
+        // toml++ sorts the keys of a table by name, but the error should name the unknown key that comes
+        // first in the file.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

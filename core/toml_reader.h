@@ -31,7 +31,7 @@ struct NumberRange {
     bool excludes_min = false;     ///< min itself is not legal
 };
 
-/// A table of a TOML file. It knows its position in the file and its name, for error messages.
+/// A table of a TOML file, with its name and its position in the file for error messages.
 class TomlTable {
   public:
     /// `what` is the name of the table in error messages, for example "object 'ball'".

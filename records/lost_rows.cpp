@@ -32,8 +32,7 @@ class PixelPlaces {
 
 /// Appends the x positions of the lower-left corners of all quadtree leaves (undivided cells) that touch the
 /// lower edge of a pixel. The function descends recursively into the cells on this edge: u is the left edge
-/// of the current cell, and `size` its width. A cell is subdivided if and only if there is a sample at its
-/// centre.
+/// of the current cell, and `size` its width. Only subdivided cells have a sample at their centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -8,9 +8,8 @@
 namespace postlens {
 
 /// Predicts the size, in bytes, of row y of the pinhole image in a file with this header. Returns 0 for rows
-/// outside the image. The image row is computed from the records of rows y and y + 1, which `band` must
-/// contain. The result is approximate, because a file compresses up to 16 rows together, and this function
-/// compresses only one.
+/// outside the image. `band` must contain the rows y and y + 1, from whose records the image row is computed.
+/// The size is approximate: a file compresses up to 16 rows together, and this function only one.
 [[nodiscard]] std::uint64_t packed_picture_bytes(const SampleHeader& header, RecordCompression compression,
                                                  const RecordBand& band, int y);
 

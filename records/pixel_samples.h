@@ -10,7 +10,7 @@ namespace postlens {
 
 /// A point sample (one eye ray) of a pixel, and its weight. The weights of all samples of a pixel add up to
 /// 1. `nodes` lists the surfaces that the ray and its reflections and refractions hit, beginning with the
-/// primary hit. Those of hidden surfaces follow.
+/// primary hit. Hidden surfaces are at the end.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;

@@ -91,8 +91,8 @@ template <typename Sample>
 class PlacedSamples {
   public:
     /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
-    /// `above` is the pixel's row of samples, and `below` the next row. Returns false if the pixel is
-    /// subdivided more finely than the table.
+    /// `above` contains the samples of the pixel's row, and `below` those of the next row. Returns false if
+    /// the pixel is subdivided more finely than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -100,8 +100,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // If the neighbouring pixel is subdivided more finely than the table, add() fails for some samples on
-        // the common edge. Pixel (x, y) does not need these samples, so the failure is ignored.
+        // If the neighbouring pixel is subdivided more finely than the table, add() fails for some of its
+        // samples. Pixel (x, y) does not need these samples, so the failure is ignored.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -142,8 +142,8 @@ class PlacedSamples {
 };
 
 /// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y), with the corners
-/// in the order up-left, up-right, down-left, down-right. `above` is the pixel's row of samples, and `below`
-/// the next row. A pixel with only one sample is a single leaf.
+/// in the order up-left, up-right, down-left, down-right. `above` contains the samples of the pixel's row,
+/// and `below` those of the next row. A pixel with only one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -241,8 +241,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Leaves in the first and the last row of pixels may have corners outside the rows y_begin to y_end - 1.
-    // These corners are added here to complete the leaves. Their weights are not returned.
+    // Leaves (quadtree cells) at the border may have corners outside the rows y_begin to y_end - 1. The
+    // samples at these corners complete the leaves, but their weights are not returned.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -261,8 +261,9 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Around each corner, the leaf lies in the opposite quadrant: for the
-                                       // up-left corner (0) of the leaf, this is down-right (3).
+                                       // The leaf lies in the quadrant opposite to the corner's own position:
+                                       // for the leaf's up-left corner (0), it is the down-right quadrant
+                                       // (3).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -1,5 +1,5 @@
-// Callbacks that receive records while a file is read. Several purposes can thus share one pass over the
-// file.
+// Callbacks that receive records while a file is read, so that one pass over the file can serve several
+// purposes.
 #pragma once
 
 #include <functional>

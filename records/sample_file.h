@@ -30,8 +30,8 @@ struct ScanlineFacts {
 
 /// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
 /// for instant 0 (that of the pinhole image), then for each key (further recorded instant). The colours of
-/// the records must be radiance, whatever exposure the header states. The file appears at `path` only when
-/// finish() is called.
+/// the records must be radiance, without the exposure that the header states. The file appears at `path` only
+/// when finish() is called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -82,8 +82,8 @@ class SampleFileReader {
     /// damaged file could claim an image of any size.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Opens a file. Colours are multiplied by 2^exposure_stops when they are read. Without `exposure_stops`,
-    /// the exposure that the header states is applied.
+    /// Opens a file. When colours are read, they are multiplied by 2^exposure_stops. Without
+    /// `exposure_stops`, the exposure that the header states is applied.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();

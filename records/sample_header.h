@@ -15,8 +15,8 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// The range of lens and shutter settings for which the trace recorded enough pixels outside the image and
-/// enough hidden surfaces. A bound is absent if the trace was made without this setting.
+/// The range of lens and shutter settings for which the trace recorded enough overscan (pixels outside the
+/// image) and hidden surfaces. A limit is absent if it was not given to the trace.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite

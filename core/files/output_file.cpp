@@ -63,7 +63,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // EINVAL and ENOTSUP only mean that the file system does not support fsync.
+    // EINVAL and ENOTSUP are not failures: the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -107,9 +107,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
                      : fmt::format("folder {} does not exist", folder.string()));
     }
     // The temporary name keeps the target's extension, because image writers choose the format by the
-    // extension. The process id in the name shows which process owns the file. The number distinguishes
-    // several files of one process. It also distinguishes processes that have the same id in different
-    // containers.
+    // extension. It contains the id of the process that owns the file. The number distinguishes the files of
+    // one process, and processes that have the same id in different containers.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {

@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
 /// Tables that convert positions within a pixel, which are multiples of 1/1024 px, to half floats and back.
-/// Half floats that are not such a position are converted to NaN.
+/// All other half floats become NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};

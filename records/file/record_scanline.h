@@ -31,8 +31,8 @@ class ScanlineBytes {
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
     /// Computes the index of each pixel's first record from the stored record counts. `offsets` must have
-    /// width + 1 entries. The first entry becomes 0, and the last one is the total count. Returns false if
-    /// the counts decrease, or if the total is not the number of records given to `prepare`.
+    /// width + 1 entries. The first entry becomes 0, and the last one the total count. Returns false if the
+    /// counts decrease, or if the total is not the number of records given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. If the file
     /// has no channel for W, then W is the identity divided by z'. The layer, w_bend and the mark are 0 if

@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part: z_far is
-/// the channel Z.far, for example.
+/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part. For
+/// example, z_far is the channel Z.far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;

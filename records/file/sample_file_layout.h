@@ -17,8 +17,8 @@ namespace postlens::layout {
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the file. Part 0 is the picture. Two parts for each instant follow: its
-/// records and its scanlines.
+/// Returns the index of a part in the file. Part 0 is the pinhole image. It is followed by two parts for each
+/// instant: `records` and `scanlines`.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }

@@ -17,7 +17,7 @@ namespace {
 
 using namespace layout;
 
-/// A chunk is rejected if its stated size after expansion exceeds `unquestioned_bytes`, and also exceeds
+/// A chunk is rejected if its stated size after expansion exceeds both `unquestioned_bytes` and
 /// `largest_expansion` times its packed size. A small damaged file can thus not cause a large allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
@@ -210,7 +210,7 @@ void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, cons
         fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
     }
     const std::size_t first = band.pixel(band.x_begin, y);
-    // The caller has set the first and the last offset of the row.
+    // The caller has already set the first and the last offset of the row.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
     check_row(y, expected, band);

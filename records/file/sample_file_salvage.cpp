@@ -36,7 +36,7 @@ void SampleFileReader::Impl::find_lost_rows() {
 }
 
 /// Removes each instant that has no readable row. In the other instants, counts the records that replace each
-/// lost row.
+/// lost (unreadable) row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();

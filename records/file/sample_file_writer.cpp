@@ -202,14 +202,14 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Computes image row y - 1 from the records of rows y - 1 and y. For the first row of the band, this was
-    // done above, because row y - 1 belongs to the previous band.
+    // Compute image row y - 1 from the records of rows y - 1 and y. The first row of the band is an
+    // exception, computed above, because its row y - 1 belongs to the previous band.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Image blocks are written as soon as their rows are complete. The order of chunks in the file therefore
-    // does not depend on the height of the bands.
+    // Image blocks are written as soon as their rows are complete, so the order of chunks in the file does
+    // not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

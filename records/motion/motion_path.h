@@ -16,8 +16,8 @@ class MotionPath {
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position, orientation and scale at one instant. A point p has the world position
-    /// translation + rotation * (scale * p).
+    /// Position, orientation and scale at one instant. They move a point p to the world position translation
+    /// + rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
         glm::dmat3 rotation{1};

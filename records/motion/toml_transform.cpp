@@ -93,8 +93,8 @@ TransformKey read_placement(const TomlTable& table, double unit) {
     return key;
 }
 
-// Throws if an object turns by 180 degrees or more between two keys. Slerp always takes the smaller angle, so
-// the object would turn the wrong way.
+// Throws if an object turns by 180 degrees or more between two keyframes. Slerp always takes the smaller
+// angle, so the object would turn the wrong way.
 void refuse_half_turns(const TomlTable& from, const TomlTable& to) {
     const auto a = from.number_or_vec3("rotate_degrees"), b = to.number_or_vec3("rotate_degrees");
     const dvec3 step = glm::abs(b.value_or(dvec3(0)) - a.value_or(dvec3(0)));
