@@ -10,8 +10,8 @@
 namespace postlens {
 
 /// Does the same as values.reserve(count). If the vector is empty, all threads also write to its new memory.
-/// The system clears each new page when it is first written to, which takes longer than filling the page, so
-/// sharing this work saves time. Use this function for vectors that will be filled completely.
+/// At the first write to a page, the system clears the page, which takes longer than filling it. Sharing this
+/// work between threads saves time. Use this function for vectors that will be filled completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;

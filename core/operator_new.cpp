@@ -40,8 +40,8 @@ constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Requests huge pages for the addresses after a block, where malloc will place the next blocks. This is done
-/// once for each huge page in which a block ends. It must precede the first write to an address, which
-/// decides the size of its page, and malloc itself writes to the memory behind each block.
+/// once for each huge page in which a block ends. It must be done before anything is written to these
+/// addresses: the first write decides the size of a page, and malloc itself writes behind each block.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;

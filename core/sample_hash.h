@@ -48,8 +48,8 @@ inline constexpr int sample_lanes = 16;
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// Random key for one set of sample points in one pixel. From this key, the keys of several independent
-/// random streams are derived.
+/// Random key for one set of sample points in one pixel. The keys of several independent random streams are
+/// derived from it.
 struct SetKey {
     std::uint64_t value;
     /// Streams with different `purpose` are independent.

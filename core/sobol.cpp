@@ -23,9 +23,9 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A Sobol
-/// point is the exclusive or of some direction numbers: number k is included if bit k of the point's index is
-/// set.
+/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. If bit k of
+/// a point's index is set, direction number k contributes to the point. The point is the exclusive or of
+/// these numbers.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored

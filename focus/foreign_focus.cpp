@@ -381,8 +381,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // The image is magnified after it is blurred. Circles of confusion are therefore smaller by the factor
-    // `zoom` in px of the image before magnification.
+    // Circles of confusion are computed in px of the image before magnification. They are smaller by the
+    // factor `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -261,9 +261,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // The leaf lies in the quadrant opposite to the corner's own position:
-                                       // for the leaf's up-left corner (0), it is the down-right quadrant
-                                       // (3).
+                                       // The leaf lies in the quadrant opposite to the corner. For the leaf's
+                                       // up-left corner (0), it is down-right (3).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -18,9 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, which the signal handler removes. Before a thread or the handler
-// uses or frees a path, it exchanges the pointer for null, so they never use the same path at the same time.
-// If there are more than slot_count files, the handler does not remove the others.
+// Paths of the existing temporary files, which the signal handler removes. To use or free a path, a thread or
+// the handler first exchanges the pointer for null, so no other one uses the path at the same time. If there
+// are more than slot_count files, the handler does not remove the others.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");

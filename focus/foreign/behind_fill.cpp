@@ -16,7 +16,7 @@ namespace {
 /// Two neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this,
 /// in px.
 constexpr float least_step_px = 1;
-/// Largest distance, in px, at which the search for a surface behind an edge ends.
+/// Largest distance, in px, over which the search looks for a surface behind an edge.
 constexpr float farthest_px = 512;
 
 /// Two signed CoC radii of a sample, in px. `own` is the radius for the sample's true depth and decides what
@@ -242,7 +242,7 @@ class BehindSearch::Impl {
     /// if there is no depth edge within farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
-        // Pixels in the columns [first, end) have a neighbour in direction `d` that lies in a stored column.
+        // Only pixels in the columns [first, end) have a stored column next to them in direction `d`.
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
             // The neighbour in direction d is visited before the pixel itself.

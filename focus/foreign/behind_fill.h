@@ -20,8 +20,8 @@ namespace postlens {
             std::max(p.height, p.y_end)};
 }
 
-/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is so near that
-/// blur can reveal it at this pixel.
+/// Estimate of the surface behind an opaque pixel. `known` is false if blur cannot reveal a farther surface
+/// at this pixel, because none is near enough.
 struct Behind {
     float inverse_z = 0, spread_inverse_z = 0;  ///< same meaning as in StackSample
     float r = 0, g = 0, b = 0;                  ///< premultiplied

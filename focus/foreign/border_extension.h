@@ -15,8 +15,8 @@ namespace postlens {
 
 /// Continues the surfaces at the border of an image beyond the border. On average, the border cuts a surface
 /// in the middle. A sample at the border is therefore continued outwards as far as its surface extends into
-/// the image, but not farther than its blur reaches. Its colour and alpha are means over the same distance
-/// inwards.
+/// the image, but not farther than its blur reaches. Its colour and alpha are means over the part of the
+/// surface that extends as far into the image.
 ///
 /// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Pixels of the raster
 /// that are not stored are empty space, so nothing is continued into them.

@@ -41,8 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and otherwise 0. It
-/// decides what a view sees if it sees none of the samples: empty space (1) or something unknown (0).
+/// Returns, for each pixel of the window, what a view sees if it sees none of the pixel's samples: 1 for
+/// empty space, 0 for something unknown.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -132,8 +132,8 @@ class Band {
     }
 
   private:
-    /// Position of a quadrilateral in the depth order. At equal depth, a quadrilateral with fewer samples in
-    /// front of it in its own pixel is nearer.
+    /// Position of a quadrilateral in the depth order. At equal depth, the quadrilateral that is nearer to
+    /// the front of its own pixel's stack comes first.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};

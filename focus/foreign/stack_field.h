@@ -42,9 +42,9 @@ struct StackField {
     /// Per pixel of the window, the fraction of the views in which the pixel is unknown. Such a view looks
     /// past the image's border or past the pixel's last sample. Views that see empty space do not count.
     std::vector<float> unseen;
-    /// Per pixel of the window: the sum of the alphas of all samples that views see, holdouts included,
-    /// divided by the number of views. On average it is 1 minus `unseen`. In a pixel with empty space behind
-    /// its samples, it is at least 1.
+    /// Per pixel of the window: the mean, over the views that the lens does not block, of the alphas of the
+    /// samples that they see, holdouts included. On average it is 1 minus `unseen`. In a pixel with empty
+    /// space behind its samples, it is at least 1.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

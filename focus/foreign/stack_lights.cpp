@@ -35,7 +35,7 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     // `seen` is the share of the sample's light that the pinhole sees, and `hidden` the share that other
-    // surfaces hide. Light behind a sample of the same surface is in neither share: both samples move
+    // surfaces hide. Light that a sample of its own surface hides is in neither share: both samples move
     // together when the lens point moves, so no lens point sees it.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
     // `covered` is the part of `hidden` that no lens point sees, because the hiding surface and the hidden

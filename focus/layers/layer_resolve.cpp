@@ -108,7 +108,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // A path that continues this one has supplied the radiance, so the substitute is not needed.
+        // The radiance comes from a path that continues this one, so the substitute is not needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

@@ -182,8 +182,8 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell);
-    /// Stores the splats of row y in rows_, without those that are not needed in memory, which are removed
-    /// from `made`.
+    /// Stores the splats of row y in rows_. Splats that are not needed in memory are first removed from
+    /// `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

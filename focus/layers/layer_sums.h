@@ -21,8 +21,8 @@ namespace postlens {
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
-    /// `from_anchor_px` is the distance of samples from their anchors (integer raster positions), both to the
-    /// right and downwards.
+    /// Samples lie `from_anchor_px` to the right of their anchors (integer raster positions) and as far below
+    /// them.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);

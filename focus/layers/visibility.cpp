@@ -25,9 +25,8 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction, from 0 to 1, of some light that this transmittance transmits. `sum` is the
-    /// amount of light. `moment` is its lens moment, the sum of light times the lens point through which it
-    /// passed.
+    /// Returns the fraction of some light, from 0 to 1, that is transmitted. `sum` is the amount of light.
+    /// `moment` is its lens moment, the sum of light times the lens point through which it passed.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
@@ -77,9 +76,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// The light of a surface that is not hidden by surfaces in front. `add` adds `light` times `times` and the
-/// transmittance `open`. Each colour channel and alpha are attenuated separately, with their own lens
-/// moments.
+/// The part of a surface's light that surfaces in front do not hide. `add` multiplies `light` by `times` and
+/// by the transmittance `open`, and adds it. Each colour channel and alpha are attenuated separately, with
+/// their own lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -91,8 +90,8 @@ struct Arrived {
             rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens[3]);
-        // Lens moment of the product of light and transmittance. Each is a linear function of the lens point,
-        // and the quadratic term of the product is omitted.
+        // Lens moment of the product of light and transmittance. Each factor is a linear function of the lens
+        // point, and the quadratic term of the product is omitted.
         lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
     }

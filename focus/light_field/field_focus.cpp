@@ -64,8 +64,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`. Each has a weight, and
-/// the motion from the recorded instant to `time_s`.
+/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`, each with a weight and
+/// with the motion from this instant to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;

@@ -1,5 +1,5 @@
-// Spreads the highlights of a light field with their exact impulse responses, taking into account which of
-// them nearer surfaces hide.
+// Spreads the highlights of a light field with their exact impulse responses, except for the parts that
+// nearer surfaces hide.
 #pragma once
 
 #include <memory>

@@ -158,8 +158,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
         // For a response smaller than a pixel, choose a random lens point and compute the line's position in
-        // the pixel. For a larger response, do the opposite. Otherwise few lines would pass through both the
-        // pixel and the lens.
+        // the pixel. For a larger response, choose the position and compute the lens point. Otherwise few
+        // lines would pass through both the pixel and the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

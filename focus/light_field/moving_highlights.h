@@ -22,7 +22,7 @@ class HighlightMotion {
     /// a square of the raster have a smaller total area than this, in px^2. Larger ones already form streaks
     /// in the mean of the views.
     static constexpr float largest_px2 = 64;
-    /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
+    /// A highlight is spread as a streak if its radiance exceeds the limit for highlights by this. Dimmer
     /// highlights already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 

@@ -19,7 +19,7 @@ double clamped_radius_px(double diameter_px) {
 
 /// Returns how many levels with equal steps of z' are needed, so that rounding changes the CoC diameter by at
 /// most half of linear_step_px. The near end determines the number: the CoC diameter is a linear function of
-/// 1/z', so a step of z' changes it most there.
+/// 1/z', so it changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
     // Let z be the nearest depth and h half a step of z'. Rounding the depth z + h to z may change the CoC
     // diameter by at most linear_step_px / 2. So gain (1 / z - 1 / (z + h)) = linear_step_px / 2.

@@ -84,8 +84,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
         // Keys that become equal in one step nearly always stay equal, so only one of them is processed in
-        // the next step. The keys are sorted first: their order depends on the threads that requested them,
-        // and the choice must not.
+        // the next step. Sorting makes the choice independent of the order in which threads requested the
+        // keys.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

@@ -85,8 +85,8 @@ class ResponseModel {
                                                             double half_diagonal_px);
 
 /// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
-/// `geometry`. For a real lens, use lens_model (focus/lens_model.h) instead. Throws an error for a real lens,
-/// and the errors of read_aperture.
+/// `geometry`. Throws the errors of read_aperture. For a real lens, throws an error, because lens_model
+/// (focus/lens_model.h) creates its model.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -43,8 +43,8 @@ struct RowRange {
     int begin, end;
 };
 
-/// Filters the source row with each kernel row dy, and adds each result to two rows of the image: `down` + dy
-/// and `up` - dy. Kernels are symmetric, so the result is the same for both.
+/// Filters the source row with each kernel row dy. Kernels are symmetric, so the result belongs to two rows
+/// of the image, to which it is added: `down` + dy and `up` - dy.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

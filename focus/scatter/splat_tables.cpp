@@ -82,8 +82,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Only directly visible surfaces at a finite depth count for the largest CoC. In mirrors and glass, the
-    // CoC has no upper limit near a caustic. The CoC of empty space is not visible.
+    // The largest CoC is that of directly visible surfaces at a finite depth. In mirrors and glass, the CoC
+    // has no upper limit near a caustic. The CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};

@@ -36,8 +36,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of row y. Call it before the row's items are added again, in order. Several threads
-    /// may call this function and `add` at the same time, for different rows.
+    /// Removes the items of row y. Call it before these items are added again, in their original order.
+    /// Several threads may call this function and `add` at the same time, for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
