@@ -1,4 +1,4 @@
-// The text of JSON whose strings may contain any bytes, such as the names of files.
+// Converts JSON to text. Its strings may contain any bytes, such as the names of files.
 #pragma once
 
 #include <string>

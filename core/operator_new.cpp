@@ -58,8 +58,8 @@ void request_what_follows(std::uintptr_t /*block_end*/) {}
 
 }  // namespace
 
-// The array forms and the std::nothrow forms call these functions. The forms for over-aligned types are not
-// replaced.
+// The array forms and the std::nothrow forms of operator new call this function. The forms for over-aligned
+// types are not replaced.
 void* operator new(std::size_t bytes) {
     for (;;) {
         if (void* block = std::malloc(bytes > 0 ? bytes : 1)) {

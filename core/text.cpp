@@ -96,8 +96,8 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
     std::string_view best;
     std::size_t best_distance = std::numeric_limits<std::size_t>::max();
     for (const std::string_view candidate : candidates) {
-        // A word of more than 256 characters resembles no candidate, so only its beginning is compared. This
-        // limits the time that malicious input can take.
+        // A word of more than 256 characters resembles no candidate, so only its beginning is compared.
+        // Malicious input thus cannot take much time.
         const std::size_t distance = edit_distance(word.substr(0, 256), candidate.substr(0, 256));
         if (distance < best_distance && distance <= most_edits) {
             best_distance = distance;

@@ -21,7 +21,7 @@
 namespace postlens {
 namespace {
 
-/// The window of the traced image that the result shows, and the factor by which it is magnified.
+/// The part of the traced image that the result shows, and the factor `zoom` by which this part is magnified.
 struct View {
     RasterWindow window;
     double zoom = 1;

@@ -161,7 +161,8 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Rows beyond the border use the estimated surfaces behind the nearest row of the picture.
+                // For rows beyond the border, use the surfaces estimated behind the nearest row of the
+                // picture.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -181,8 +182,8 @@ class Spread {
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate what lies behind a translucent sample. The sample therefore
-                    // counts as filling its pixel.
+                    // `scatter` does not estimate what lies behind a translucent sample, so the sample counts
+                    // as filling its pixel.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -262,7 +263,7 @@ class Spread {
     std::vector<float> nothing_;             ///< nothing_in_reach, for `scatter`
 };
 
-/// Returns an image that has the alpha of `of` in all three channels.
+/// Returns a grey image of the alpha of `of`.
 Image grey(const Image& of) {
     Image out(of.width, of.height);
     for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = of.alpha[i / 3];

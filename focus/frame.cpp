@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Rows are read in bands. A band ends after rows_per_band rows, or earlier if it has at least fewest_rows
-/// rows and enough_records records.
+/// Rows are read in bands of rows_per_band rows. A band is shorter, but has at least fewest_rows rows, if
+/// these have enough_records records.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
 /// Number of rows in each band that is kept in memory. All threads work on one band and wait for each other

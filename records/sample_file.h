@@ -19,8 +19,7 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores the summary, so that it is available without reading
-/// the records.
+/// Summary of one scanline of records. The file stores it, so the records need not be read to get it.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none

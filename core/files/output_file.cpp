@@ -90,8 +90,7 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
         // A rename succeeds even if the target file is write-protected, so write protection is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // Follows symbolic links to the file that is to be written, even if it does not exist yet. The links stay
-    // in place.
+    // Follows symbolic links to the file that is to be written, which need not exist yet. The links remain.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);

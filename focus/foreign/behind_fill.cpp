@@ -59,8 +59,8 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // The last sample represents the pixel, because the surface to be estimated lies behind all
-                // samples.
+                // The last (farthest) sample represents the pixel, because the surface to be estimated lies
+                // behind it.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);

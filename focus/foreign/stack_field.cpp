@@ -17,7 +17,7 @@ namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Number of views that are drawn between two tests whether the job was cancelled.
+/// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
 /// A view is the image from one lens point. Its samples have the same position in every pixel.

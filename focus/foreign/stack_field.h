@@ -28,7 +28,8 @@ struct StackFieldSettings {
     }
 };
 
-/// Share of a pixel that shows one object on one side of the plane in focus.
+/// The share of a pixel that shows one object. Parts of the object in front of, in and behind the focus are
+/// counted separately.
 struct ObjectShare {
     std::uint32_t id = 0;  ///< 0 for samples without an id
     int side = 0;          ///< -1 in front of the focus, 1 behind, 0 if the CoC diameter is at most 1 px

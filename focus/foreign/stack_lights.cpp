@@ -45,7 +45,7 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point, so no surface moves together with it.
+        // Empty space looks the same from every lens point, so it does not move together with a surface.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

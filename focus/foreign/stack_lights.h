@@ -1,5 +1,5 @@
 // Converts a pixel's stack of samples to PixelLight, the input of scattering. Light that the pinhole sees is
-// separated from hidden light.
+// kept apart from hidden light.
 #pragma once
 
 #include <span>

@@ -128,7 +128,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Resolve longer paths first, because a path's radiance contains that of the paths that continue it.
+    // Longer paths are resolved first, because their radiance is part of that of the shorter paths that they
+    // continue.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

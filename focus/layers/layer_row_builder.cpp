@@ -53,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, which
-    // coarser steps would blur.
+    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, and coarser
+    // steps would visibly blur it.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px

@@ -68,7 +68,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows are added from top to bottom, so the tiles above the next row get no further splats.
+    // Rows are added from top to bottom, so tiles above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 

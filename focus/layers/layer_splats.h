@@ -153,8 +153,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Position of samples relative to their anchors (integer raster positions), along each axis, in px. It
-    /// is 0.5 for pixels of other programs, otherwise 0.
+    /// Distance of samples from their anchors (integer raster positions), in px, along each axis. It is 0.5
+    /// for another program's image, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the recorded colours, to which images are clamped.

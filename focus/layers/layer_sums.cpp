@@ -11,8 +11,8 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double TwoDoubles __attribute__((vector_size(16)));
-/// Types that are used only to load values from memory and to store them. The compiler would not keep
-/// variables of these types in registers.
+/// Types that are used only to load and store values. The compiler would not keep variables of these types in
+/// registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)

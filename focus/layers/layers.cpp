@@ -52,7 +52,7 @@ bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// Computes the blocks of one thread one after another, reusing its buffers.
+/// Computes blocks one after another, in one thread, and reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
@@ -262,7 +262,7 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// The sums of the splats of one part for every pixel of the image. LayerTerm::part is not set.
+/// The sums of the splats of one part, for every pixel of the image. LayerTerm::part is not set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -33,7 +33,7 @@ struct OverLens {
     }
 };
 
-/// A surface that has already been composited. It lies in front of all surfaces that follow.
+/// A surface that has already been composited, and thus lies in front of all following surfaces.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens

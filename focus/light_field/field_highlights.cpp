@@ -24,7 +24,7 @@ constexpr double seen_by_all_px = 0.5;
 /// of the raster have a smaller total area than this, in px^2. The limit is sharp_px2 if nothing hides them,
 /// and small_px2 if they are reflected and partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Largest edge, in px, of the squares within which the highlights of one surface are merged.
+/// The highlights of one surface are merged within squares of this edge, in px.
 constexpr float merged_px = 0.5F;
 /// How often merged_px may be halved, down to squares of 1/8 px. Their centres are multiples of 1/16 px, to
 /// which the positions of kernels are rounded (KernelKey::phase_steps).

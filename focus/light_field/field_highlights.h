@@ -49,8 +49,8 @@ class FieldHighlights {
     /// which the highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Returns the indices of the sources whose light may reach a rectangle of the image. The rectangle must
-    /// lie within one row of tiles.
+    /// Returns the indices of the sources (merged highlights) whose light may reach a rectangle of the image.
+    /// The rectangle must lie within one row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
@@ -96,10 +96,10 @@ class FieldHighlights {
         int samples = 0;
     };
     void group_sources();
-    /// Returns the position, in image px, of a random point of a source. `choice` and `place` are random
+    /// Returns a random point of a source (merged highlights), in image px. `choice` and `place` are random
     /// numbers in [0, 1).
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    /// Adds a source that consists of the last `parts` elements of parts_, the highlights merged into it.
+    /// Adds a source that merges several highlights, the last `parts` elements of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
     /// A rectangle of pixels within a tile (square of the image). `share` contains, for each pixel, the

@@ -18,7 +18,8 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight if its 1/z' exceeds the 1/z' of the highlight by more than this factor.
+/// A surface hides a highlight if its inverse depth 1/z' is larger than that of the highlight by more than
+/// this factor.
 constexpr float nearer = 1.02F;
 /// Limit for the cost of all visibility samples of a tile (square of the image), in views of the tile. If the
 /// tile has more views than this, their number is the limit instead.
@@ -92,8 +93,8 @@ class FieldHighlights::OverViews final : public Lights {
     /// the number of visibility samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the visible share of a group in each pixel of `part` to the fraction of the views that see the
-    /// group's centre (seen_share).
+    /// Sets the visible share of a group of highlights in each pixel of `part`: the fraction of the views
+    /// that see the group's centre (seen_share).
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in
@@ -196,7 +197,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // A source that is seen in a mirror or through glass is visible if the view sees the mirror or glass.
+    // A highlight in a mirror or behind glass counts as visible if the view sees the mirror or glass.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }

@@ -105,7 +105,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
         first = {std::min(first.first, pixel.first), std::min(first.second, pixel.second)};
         last = {std::max(last.first, pixel.first), std::max(last.second, pixel.second)};
     }
-    // The raster covers the pixels of the highlights, with two more rows and columns on each side.
+    // The raster contains the pixels of the highlights, and two more rows and columns on each side.
     const Pixel origin{first.first - 2, first.second - 2};
     const auto width = static_cast<std::size_t>(last.second - first.second) + 5,
                height = static_cast<std::size_t>(last.first - first.first) + 5;

@@ -1,5 +1,5 @@
 // The depth levels of [potmesil1981]. Impulse responses are computed only for these depths, and each sample
-// uses the response of one level.
+// uses one of them.
 #pragma once
 
 #include <cstdint>
@@ -74,7 +74,7 @@ class DepthLevels {
     }
     /// Radius of each level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// The number K of levels for finite depths. Absent if the levels come from LevelTable.
+    /// Returns the number K of levels for finite depths, or nothing if the levels come from LevelTable.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

@@ -43,7 +43,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row that lies completely outside the limits stays in the kernel, but has no pixels.
+        // A row that lies completely outside the limits remains in the kernel as an empty row.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -178,7 +178,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         // After `build`, the table of kernel numbers no longer changes, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
-    // Most keys have been requested before. They are found without waiting for other threads.
+    // Most keys already have a number, which is found without waiting for other threads.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);

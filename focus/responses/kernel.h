@@ -87,7 +87,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The following members are for apertures that are not round, or whose response varies over the image.
+    // The following members are only used for apertures that are not round, or whose response varies over the
+    // image.
     bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -103,8 +104,8 @@ struct KernelKey {
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds the key more coarsely, so that several keys share a kernel. The step to which the shape is
-    /// rounded is multiplied by 2^times.
+    /// Rounds the key more coarsely, so that more keys share a kernel. The step for rounding the shape is
+    /// multiplied by 2^times.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;

@@ -44,8 +44,8 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are processed together. All their cells are computed with SIMD arithmetic before all
-/// their levels are looked up in the table.
+/// Number of depths that are processed together. First, all their cells are computed with SIMD arithmetic,
+/// then all their levels are looked up.
 constexpr std::size_t together = 128;
 
 /// Computes the CoC diameter of each depth, and the cell of the lookup table that contains the diameter. The

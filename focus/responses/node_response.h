@@ -39,7 +39,7 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// The impulse response of a record: the key of its kernel, without the subpixel position, and its size.
+/// The impulse response of a record: its size, and the key of its kernel without the subpixel position.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
@@ -58,8 +58,8 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the response of a reflected or transmitted record. The depth model decides which of its depths
-    /// is used.
+    /// Returns the response of a reflected or transmitted record. The depth model decides which depth of the
+    /// record is used.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
     /// Returns the share of a record's light that the lens transmits. The record's light and its weight in

@@ -1,4 +1,4 @@
-// Interface to the impulse responses of a lens in the form of kernels.
+// Interface to the impulse responses of a lens, which it provides as kernels.
 #pragma once
 
 #include <array>

@@ -30,14 +30,14 @@ struct PlainCorners {
     /// 1/z' of the corner at each column, in 1/m. Corners that are not plain have the value `not_plain`.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// All other point samples, in order, as indices into PointSamples::samples. The samples of row i are the
+    /// All other point samples, in order, as indices into PointSamples::samples. Those of row i are the
     /// elements [other_begin[i], other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the plain corners in a row: their range of depths, and whether any of them has a negative
     /// colour.
     struct Row {
         /// Smallest and largest 1/z' of the corners at a finite depth, in 1/m. If there are no such corners,
-        /// least_inverse > greatest_inverse.
+        /// the smallest is larger than the largest.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
         bool negative = false;  ///< some colour is negative
     };

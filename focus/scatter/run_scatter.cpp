@@ -38,7 +38,7 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
-/// A range [begin, end) of kernel rows dy. Filtering with these rows changes pixels of the block.
+/// A range [begin, end) of kernel rows dy, the rows that reach pixels of the block.
 struct RowRange {
     int begin, end;
 };
@@ -200,7 +200,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The kernel is symmetric: its rows -1 - dy and dy are equal. Only the rows with dy >= 0 are used.
+    // The kernel is symmetric: its rows -1 - dy and dy are equal, so only those with dy >= 0 are used.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -239,7 +239,8 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // Prefetch the line. The hardware prefetcher does not predict the order in which strips read it.
+        // Strips read the line in an order that the hardware prefetcher does not predict, so it is prefetched
+        // here.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;

@@ -18,7 +18,7 @@ namespace postlens {
 /// source rows and then added in double. The order of every sum depends only on the tables, not on threads.
 class RunScatter {
   public:
-    /// Number of columns in a strip, which is a part of a block of pixels.
+    /// Number of columns in a strip. Blocks of pixels are divided into strips.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);

@@ -26,7 +26,7 @@ constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// The sums of one row of a strip for each channel. Each element points to strip_width values.
+/// The sums of one row of a strip. Each element points to the strip_width values of one channel.
 using Sums = std::array<const double*, 4>;
 
 /// Returns the divisor of a pixel: `weight`, the sum of the weights of its samples, plus the weight of empty

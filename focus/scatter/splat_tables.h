@@ -61,7 +61,8 @@ struct SplatRow {
     /// sizes. class_reach[c] contains all pixels that these splats reach, relative to their anchors.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// The pixel rows that the runs of this row reach, relative to this row.
+    /// The pixel rows that the runs (adjacent samples with the same disc) of this row reach, relative to this
+    /// row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {

@@ -21,7 +21,7 @@ struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
 
-/// One recorded instant: the positions of its chunks in the file, and the summaries of its scanlines.
+/// One recorded instant: the positions of its chunks in the file, and the summary of each scanline.
 struct Instant {
     double time_s = 0;
     std::size_t number =
