@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// If the scale `rim_scale` of the rim that causes cat's-eye vignetting (see Aperture) is below this value,
-/// the rim is ignored. Its projection onto the lens then has a radius of more than 20 lens radii.
+/// If `rim_scale` is below this value, the rim that causes cat's-eye vignetting (see Aperture) is ignored.
+/// Projected onto the lens, its radius is then more than 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the true shape of the aperture and the polygon from which
 /// sample() draws points.
@@ -80,8 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // An outline is a polygon with the same area as the circle, so its corners lie outside the circle. At
-        // the largest tolerance in use, 0.02 lens radii, they lie outside by less than 1.5 % of the radius.
+        // farthest_ must also bound the corners of outline(), a polygon with the same area as the circle. At
+        // its largest tolerance, 0.02 lens radii, the corners lie less than 1.5 % outside the circle.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -129,9 +129,9 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Returns the fraction of the unit disc that is not blocked by the rim that causes cat's-eye vignetting.
-// Projected onto the lens, this rim is a circle of radius r = 1 / rim_scale, with its centre at distance d
-// from the centre of the disc.
+// Returns the fraction of the unit disc inside a second circle: the rim that causes cat's-eye vignetting,
+// projected onto the lens. This circle has the radius r = 1 / rim_scale, and its centre is at distance d from
+// the disc's centre.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
     const double r = 1 / rim_scale;

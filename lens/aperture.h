@@ -55,20 +55,20 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline of the part of the aperture that transmits light to the image position `field`. A
-    /// second rim, scaled by `rim_scale`, causes cat's-eye vignetting (see Aperture). The outline is a
-    /// polygon whose sides are within `tolerance`, in lens radii, of the true curve. It is empty if no light
+    /// Returns the outline, in lens radii, of the part of the aperture that transmits light to the image
+    /// position `field`. `rim_scale` is the scale k of the rim that causes cat's-eye vignetting (see
+    /// Aperture). The outline is a polygon within `tolerance` of the true curve. It is empty if no light
     /// passes. Not available for apertures given as images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
     /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
-    /// radii. If rim_scale is below 0.05, the rim is ignored and the result is a square around the aperture.
+    /// radii. If rim_scale is below 0.05, returns a square around the aperture instead, which blocks no
+    /// light.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if the rim that causes cat's-eye vignetting does not block light through point q of the
-    /// aperture.
+    /// Returns true if light through point q of the aperture passes the rim that causes cat's-eye vignetting.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting. It
-    /// is 1 without such a rim. The result is exact for the disc. For other shapes, it is interpolated in a
+    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting.
+    /// Without such a rim, the fraction is 1. For the disc, it is exact. For other shapes, it is taken from a
     /// table, with an error of about 1e-3 for distant scene points (rim_scale 1).
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 

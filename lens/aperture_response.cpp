@@ -83,8 +83,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // Each cell of the coarse image `p` combines p.step x p.step cells of the aperture image. The cells of
-    // the last column and row can be smaller, because they end at the border of the aperture image.
+    // Corner of a cell of the coarse image `p`, which combines p.step x p.step cells of the aperture image.
+    // The last column and row end at the border of the aperture image, so their cells can be smaller.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -124,8 +124,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
 }
 
 /// Deposits the light of an aperture that is given by its outline. The aperture is divided into rings around
-/// the centre of the outline, and each ring into cells. Each cell is added as two triangles, because
-/// spherical aberration can fold the image of a quadrilateral, but not that of a triangle.
+/// the outline's centre, and each ring into cells. Each cell is added as two triangles. Spherical aberration
+/// can fold the image of a quadrilateral, but not that of a triangle.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -186,8 +186,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
     // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
-    // images, Aperture::farthest is slightly too large for it.
+    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Aperture::farthest is
+    // exact only for aperture images.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
@@ -202,8 +202,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye (mechanical vignetting), the outline varies over the image, but one response is used for
-    // a whole region. A tolerance of 0.02 px is therefore sufficient.
+    // With cats_eye (mechanical vignetting), one response is used for a whole region of the image, although
+    // the outline varies within the region. A tolerance of 0.02 px is therefore sufficient.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -38,10 +38,9 @@ inline constexpr double smallest_response_px = 1e-4;
 /// Returns an upper bound of the distance between the response's centre and its farthest light, in px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns the largest distance, in px, between the geometric image of a scene point and the light of this
-/// point. `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is the spherical
-/// aberration as in ApertureImage. The result is exact, whereas largest_reach_px is too large where the
-/// aberration counteracts the defocus.
+/// Returns the largest distance, in px, between the geometric image of a scene point and the point's light.
+/// `radius_px` is the signed radius of the circle of confusion. `spherical_px` is the spherical aberration as
+/// in ApertureImage. Unlike largest_reach_px, the result is exact where aberration and defocus partly cancel.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to

@@ -40,8 +40,7 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
 }
 
 // Adds the energy of the whole area to the right of one side of a polygon. It is positive if the side runs
-// upwards, and negative if the side runs downwards. Summed over all sides of the polygon, only the energy
-// inside the polygon remains.
+// upwards, and negative if it runs downwards. The sum over all sides is the energy inside the polygon.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
@@ -66,7 +65,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // The part of the side to the left of column 0 adds its energy to all pixels of this row.
+        // The part of the side left of column 0 lies to the left of every pixel in this row. It therefore
+        // adds its energy to all of them.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

@@ -147,9 +147,9 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // Finds the left and right ends of the strip (the part of the ellipse in this pixel row). The right end
-    // is the rightmost point of the ellipse, if the row contains this point. Otherwise it lies on the upper
-    // or lower border of the row. The same holds for the left end.
+    // Finds the left and right ends of this row's part of the ellipse. The right end is the ellipse's
+    // rightmost point, if that point is in this row. Otherwise it is on the row's upper or lower border. The
+    // left end is found in the same way.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));

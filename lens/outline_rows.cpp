@@ -25,8 +25,8 @@ double right_of(const Piece& p, double x) {
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // For an almost vertical piece, the value at its midpoint replaces the mean over its height. This causes
-    // an error proportional to the square of the piece's width.
+    // For an almost vertical piece, the value at its midpoint replaces the mean, whose formula would divide
+    // by nearly 0. The error is proportional to the square of the piece's width.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -112,8 +112,8 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
         }
     }
     // `edge_share` contains only the partly covered pixels at both ends of the row. Each side of the polygon
-    // adds the area to its right: a part of each pixel that the side crosses, and the full height of the side
-    // in all pixels further right.
+    // adds the area to its right: a part of each pixel that it crosses, and its full height in all pixels
+    // further right.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

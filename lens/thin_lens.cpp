@@ -30,8 +30,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q is the hyperfocal distance H minus the focal length F. If coc_limit_mm is 0, q is infinite and only
-    // the focus distance s is sharp. The formulas below only divide by q, so they remain defined.
+    // q is the hyperfocal distance minus the focal length. If coc_limit_mm is 0, q is infinite and only the
+    // focus distance s is sharp. The formulas below only divide by q, so they remain defined.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

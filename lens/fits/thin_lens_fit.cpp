@@ -13,16 +13,16 @@
 namespace postlens {
 namespace {
 
-/// The focal length that is assumed if neither the focal length F nor the f-number is known. It is 50 mm, or
-/// half the focus distance s if that is shorter, because no lens focuses nearer than F.
+/// Focal length that is assumed if neither the focal length nor the f-number is known: 50 mm, or half the
+/// focus distance if that is shorter. A lens cannot focus nearer than its focal length.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual c - K |q - 1/z| of one measurement: the diameter c of the circle of confusion of a point at depth
-/// z. K = F^2 / (n (1 - F q)) for focal length F, f-number n and inverse focus distance q. The fitted
-/// parameters are ln F, ln n and q.
+/// Residual of one measurement: c - K |q - 1/z|, where c is the diameter of the circle of confusion of a
+/// point at depth z. K is F^2 / (n (1 - F q)) for focal length F, f-number n and inverse focus distance q.
+/// The fit varies ln F, ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -37,10 +37,9 @@ struct Difference {
     }
 };
 
-/// A fit of the diameter c = K |q - x| of circles of confusion, where x is the inverse depth, and q is the
-/// inverse focus distance. Because q is unknown, the fit tries every division of the measurements into points
-/// behind and points in front of the focus. Each division gives a straight line, and the line with the
-/// smallest error is used.
+/// Fit of c = K |q - x| to measured circles of confusion, where c is the diameter, x the inverse depth and q
+/// the unknown inverse focus distance. Every division of the points into those behind and those in front of
+/// the focus is tried. Each gives a straight line, and the line with the smallest error is used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };

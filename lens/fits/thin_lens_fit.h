@@ -16,8 +16,9 @@ struct CocPair {
     double coc_mm = 0;      ///< >= 0
 };
 
-/// Reads lines of the form "distance_m,coc_mm". The first line may be this heading. Empty lines and lines
-/// that begin with # are ignored. Throws Error(invalid_input) with a message "FILE:LINE: ..".
+/// Reads lines of the form "distance_m,coc_mm". The first line may be a heading with exactly these words.
+/// Empty lines and lines that begin with # are ignored. Throws Error(invalid_input) with a message
+/// "FILE:LINE: ..".
 [[nodiscard]] std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path);
 
 struct FittedNumber {

@@ -6,10 +6,10 @@
 
 namespace postlens {
 
-/// Returns J_0(v), J_1(v), .. for v >= 0. The list ends at an order where the values are below 1e-18 of the
-/// largest value. Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2
-/// J_4 + .. = 1 [abramowitz1972, 9.12]. The error of each value is about 1e-15 of the largest. Needs v +
-/// O(v^(1/3)) steps.
+/// Returns J_0(v), J_1(v), .. for v >= 0, up to an order at which the values are below 1e-18 of the largest
+/// value. Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2 J_4 + ..
+/// = 1 [abramowitz1972, 9.12]. The error of each value is about 1e-15 of the largest. Needs v + O(v^(1/3))
+/// steps.
 [[nodiscard]] std::vector<double> bessel_orders(double v);
 
 /// Returns an order n above v at which the Bessel function J_n(v) is below 1e-18. The downward recurrence of

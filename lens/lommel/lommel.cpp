@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// If |u| (the defocus) is below this value, the series for v < |u| (inside the geometric disc) loses
+/// If |u| (the defocus) is below this value, the series for the inside of the geometric disc (v < |u|) loses
 /// precision. Its terms nearly cancel, and their sum is then divided by u^2.
 constexpr double small_u = 8;
 
@@ -56,9 +56,9 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase changes by at most u + v per unit of the pupil radius p, which ranges from 0 to 1. Each panel
-    // of the quadrature therefore spans at most half a fringe, and 16 nodes integrate half a fringe up to
-    // rounding error.
+    // The phase of the integrand changes by at most u + v radians over the pupil radius p (0 to 1). Each
+    // panel of the quadrature spans at most half a fringe (pi), which 16 nodes integrate up to rounding
+    // error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {

@@ -37,7 +37,7 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Terms of orders 2 and 3 are subtracted, those of orders 4 and 5 are added, and so on.
+    // Signs alternate every two orders: terms 2 and 3 are subtracted, terms 4 and 5 are added, and so on.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -104,8 +104,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first points, at most a few dozen, use the slow function. There, the fast series would divide by
-    // zero (v = 0) or lose precision (small u and v <= u).
+    // The first points, at most a few dozen, are computed by the slow lommel_intensity. There, the fast
+    // series would divide by zero (v = 0) or lose precision (small u and v <= u).
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// Writes the intensity I(u, v) at defocus u and radius v = i grid.step to intensity[i]. `grid` must have at
+/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. `grid` must have at
 /// least as many entries as `intensity`. Terms below 1e-11 of the mean intensity are omitted. Results are
 /// bit-identical on all machines whose libraries compute the same sine and Bessel functions.
 /// `lommel_intensity` is the slow reference.

@@ -27,8 +27,9 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // A panel of the quadrature spans at most 6 units of v (the optical radius), so that its 16 nodes resolve
-    // the fringes. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
+    // A panel of the quadrature spans at most 6 units of the optical radius v, so that its 16 nodes resolve
+    // the fringes. Panels are wider only if more than 64 are wanted, because a pixel contains hundreds of
+    // fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -43,15 +44,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which diffraction fringes are averaged. A width slightly below the distance
-/// between two quadrature nodes gives the smallest error for fringes of intermediate width.
+/// Returns the width, in px, over which diffraction fringes are averaged. 70 % of the distance between two
+/// quadrature nodes gives the smallest error for fringes of intermediate width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of the energy that flows through a pixel border, over the distance r from the centre. A value,
-/// multiplied by x, is the energy per unit length of a border at distance x from the centre. The value is L /
-/// (2 pi r^2), where L is the energy within radius r, averaged over fine fringes.
+/// Table of L / (2 pi r^2) over the distance r from the centre, where L is the energy within radius r,
+/// averaged over fine fringes. A value times x is the energy that flows through a pixel border at distance x
+/// from the centre, per unit length of the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -121,7 +122,7 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // The grid and the tabulated flow end at this distance from the centre.
+                // Skips borders beyond the grid, for which the flow is not tabulated.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
@@ -152,8 +153,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The energy flow is computed in a square around the grid. The profile must extend to the corners of this
-    // square, with a margin for the averaging of fringes.
+    // The energy flow is computed in a square around the grid, so the profile must extend to the corners of
+    // this square. The last term is a margin for the averaging of fringes.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// Sampling density along pixel borders. The defaults are so fine that the results have converged
+/// Sampling density along pixel borders. Sampling finer than the defaults hardly changes the results
 /// (docs/diffraction.md).
 struct PixelEnergySettings {
     int nodes = 16;      ///< quadrature nodes along a pixel border, per px of radius

@@ -10,9 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Quadrature weights for eight equidistant values. The weighted sum is the integral of the polynomial
-/// through these values over the middle one of the seven intervals between them. The weights are symmetric,
-/// so only four are stored.
+/// Quadrature weights for eight equidistant values. They integrate the polynomial through these values over
+/// the middle one of the seven intervals. The weights are symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -20,8 +19,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // Fine steps are needed at small defocus |u|, where a few fringes contain all of the energy. At large
-    // |u|, each fringe contains at most 1/u of the energy.
+    // At small defocus |u|, a few fringes contain all of the energy, so the steps must be fine. At large |u|,
+    // each fringe contains at most 1/u of the energy.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -52,8 +51,8 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
             sum += middle_weights[static_cast<std::size_t>(m)] * (slope(k - m) + slope(k + 1 + m));
         }
         within_[i + 1] = within_[i] + step_ * sum;
-        // Integral of the cubic Hermite polynomial over the step. The polynomial has the given values and
-        // slopes at both ends.
+        // Integral, over the step, of the cubic Hermite polynomial with the known values and slopes at both
+        // ends.
         within_sum_[i + 1] = within_sum_[i] + step_ * (within_[i] + within_[i + 1]) / 2 +
                              step_ * step_ * (slope(k) - slope(k + 1)) / 12;
     }
@@ -76,9 +75,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integral of the cubic Hermite polynomial w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3, where
-    // t is 0 at the beginning of the step and 1 at its end. w0 is the value at t = 0, s0 and s1 are the
-    // slopes at both ends, and r (`rise`) is the difference of the values at both ends.
+    // Integral, from 0 to t, of the cubic Hermite polynomial w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2
+    // r) t^3, where t runs from 0 to 1 along the step. w0 is the value at t = 0, s0 and s1 are the slopes at
+    // both ends, and r (`rise`) is the difference of the end values.
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

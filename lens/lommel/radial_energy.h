@@ -18,8 +18,8 @@ class RadialEnergy {
     /// Returns the number of entries that a BesselGrid needs for a table up to v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// Computes the table up to v_end. `grid` must have the step `step_for(u)`, and at least
-    /// `grid_count(step_for(u), v_end)` entries.
+    /// Computes the table up to v_end. `grid` contains the Bessel functions at the step `step_for(u)`, with
+    /// at least `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Makes its own tables of Bessel functions.

@@ -29,8 +29,8 @@ class RadialProfile {
     /// averaging error is of fourth order in `width_px`. The radius must be at least 3/2 widths away from 0
     /// and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns `smoothed_within` at `count` radii, which start at `begin_px` and are width_px / row_steps
-    /// apart. This is faster than single calls, because each integral of `within` is used for four radii.
+    /// Returns `smoothed_within` at `count` radii: begin_px, begin_px + width_px / row_steps, and so on. This
+    /// is faster than single calls, because each integral of `within` is used for four radii.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the energy per px^2 at a radius, computed from the closed form of the intensity.

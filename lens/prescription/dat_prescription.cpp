@@ -11,9 +11,9 @@ namespace postlens {
 
 namespace {
 
-/// Decides which rows with radius 0 are planes. A row with radius 0 is normally the aperture stop, but some
-/// files also write planes in this way. If exactly one of several rows with radius 0 does not change the
-/// medium, this row is the stop, and the others are planes.
+/// Decides which rows with radius 0 are planes. Normally, such a row is the aperture stop, but some files
+/// also write planes with radius 0. If exactly one of several such rows has the same medium on both sides, it
+/// is the stop, and the others are planes.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);

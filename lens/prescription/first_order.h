@@ -10,9 +10,9 @@ namespace postlens {
 /// (behind the lens), z is measured from the vertex of the last surface. n' is the refractive index behind
 /// the lens.
 struct FirstOrder {
-    /// Equivalent focal length, which is 1 / power and negative for a diverging lens. An object at infinity,
-    /// at the small angle t (rad) from the axis, has an image of height efl t. This holds for every
-    /// refractive index n' behind the lens, although the rear focal length is n' efl.
+    /// Equivalent focal length: 1 / power, negative for a diverging lens. An object at infinity, at the small
+    /// angle t (rad) from the axis, has its image at the height efl t. This holds for every refractive index
+    /// n' behind the lens, whereas the rear focal length is n' efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens

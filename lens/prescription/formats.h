@@ -1,5 +1,5 @@
-// The parsers that read_prescription calls, one per format. A parser does not check whether the prescription
-// as a whole is valid. Only read_prescription.cpp and the parsers include this header.
+// The parsers of the file formats, which read_prescription calls. A parser does not check whether the
+// prescription as a whole is valid. Only read_prescription.cpp and the parsers include this header.
 #pragma once
 
 #include <optional>

@@ -55,9 +55,9 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
     return glass_by_name(file_, line, word);
 }
 
-// Defines a private glass (one that the file itself describes) by a formula. Missing coefficients are 0. Some
-// files list Sellmeier coefficients as B1 C1 B2 C2 B3 C3, others as B1 B2 B3 C1 C2 C3. The order that gives a
-// plausible glass is used. If both orders or neither of them give one, the glass counts as unreadable.
+// Defines a private glass (one that the file itself describes) by a formula. Missing coefficients are 0.
+// Sellmeier coefficients have the order B1 C1 B2 C2 B3 C3 in some files, and B1 B2 B3 C1 C2 C3 in others. The
+// order that gives a plausible glass is used. If both or neither do, the glass counts as unreadable.
 void SeqGlasses::define_by_formula(int line, const std::string& key, const std::string& formula,
                                    std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",

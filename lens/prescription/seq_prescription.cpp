@@ -240,8 +240,8 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // In CODE V, the thickness of the image surface is the defocus: the distance from the image surface to
-    // the film.
+    // The film distance is the last thickness plus the defocus. CODE V stores the defocus as the thickness of
+    // the image surface.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.

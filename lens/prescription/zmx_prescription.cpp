@@ -93,9 +93,9 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // If the name of the glass is unknown, the nd and Vd on the line define the glass. Many files give
+    // If the catalogue does not contain the glass, the nd and Vd on the line define it. Many files give
     // Zemax's placeholder (nd 1.5, Vd 40) for a catalogue glass. These values are accepted only for a model
-    // glass, which nd and Vd define.
+    // glass, which has no catalogue entry.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
@@ -208,8 +208,8 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // The file gives the coefficient a_i of r^(2i) for lengths in its own unit U. For lengths in mm,
-            // the coefficient is a_i U / U^(2i).
+            // a_i is the coefficient of r^(2i) for lengths in the file's unit U. For lengths in mm, the
+            // coefficient is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }
@@ -236,7 +236,7 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // Field values were read as angles. If the file gives heights instead, the values are discarded.
+    // Field positions were read as angles. If the file gives heights instead, they are discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

@@ -19,17 +19,17 @@ class FanTable {
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns the light that a pixel receives from a uniform scene at any distance, relative to the light of
-    /// the centre pixel. `tangent` is the tangent of the angle between the pixel's direction and the axis.
-    /// The value is LensView::light, interpolated in the table.
+    /// Returns LensView::light, interpolated in the table: the light that a pixel receives from a uniform
+    /// scene at any distance, relative to the light of the centre pixel. `tangent` is the tangent of the
+    /// angle between the pixel's direction and the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the radius of all impulse responses at an inverse depth. The radius is the
-    /// distance on the film from the object point's image to the farthest light of that point, divided by the
-    /// film distance.
+    /// Returns an upper bound of the radius of all impulse responses at an inverse depth, divided by the film
+    /// distance. The radius is the distance on the film between an object point's image and its farthest
+    /// light.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes over the field. The change is the movement of
-    /// a ray's landing point relative to the image of the object point, per unit of movement of the object
-    /// point. Both movements are measured as tangents.
+    /// Returns an upper bound of how fast the response changes over the field. If the object point moves,
+    /// each ray's landing point moves relative to the point's image. The bound is the ratio of these two
+    /// movements, both measured as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -14,8 +14,8 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Error of the polynomial model for one coordinate (x or y) of one ray's landing point on the film. It is
-// linear in the coefficients.
+// Error, in mm, of the polynomial model in x or y of one ray's landing point on the film. It is linear in the
+// coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
     LandingResidual(const std::array<double, polynomial_terms>& terms, double mm) : terms_(terms), mm_(mm) {}
@@ -36,8 +36,8 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from a point on the traced edge of the pupil to the modelled edge, which bounds the
-// intersection of three circles (see PupilCircle).
+// Signed distance from a point on the traced edge of the pupil to the edge of the modelled pupil, which is
+// the intersection of three circles (see PupilCircle).
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -48,8 +48,7 @@ struct EdgeResidual {
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
             const Number y = at.y - (c[0] + c[4] * K) * T - c[1] * (T * T * T);
-            // At 0, the derivative of the root is infinite. The term 1e-12 keeps the argument of the root
-            // above 0.
+            // 1e-12 keeps the argument of the root above 0, where the derivative would be infinite.
             const Number outside = sqrt(at.x * at.x + y * y + 1e-12) - (c[2] + c[3] * (T * T) + c[5] * K);
             if (first || outside > residual[0]) residual[0] = outside;
             first = false;

@@ -79,8 +79,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // At large field angles, the distance may fall again. The search therefore goes outwards in steps of one
-    // degree until the distance reaches field_mm or no longer grows. The last step is then bisected.
+    // The search goes outwards in steps of one degree until the distance reaches field_mm or no longer grows.
+    // It may fall again at large field angles. The last step is then bisected.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -115,8 +115,8 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
     // `landing` returns the height at which a paraxial ray meets the film, per mm of its height in the pupil.
-    // The ray comes from a point on the axis at the given inverse depth, measured from the pinhole. The
-    // result is 0 if the point is in focus.
+    // The ray comes from a point on the axis; the inverse depth is measured from the pinhole. The result is 0
+    // if the point is in focus.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {

@@ -91,18 +91,18 @@ class LensModels {
     /// polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the root mean square error of the model's landing points, in mm, at one depth and field. The
-    /// error is computed over a uniform grid of the pupil. In both the model and the traced lens, landing
-    /// points are relative to the chief ray.
+    /// Returns the root mean square error of the model's landing points, in mm, at one depth and field, over
+    /// a uniform grid of the pupil. In both the model and the traced lens, landing points are relative to the
+    /// chief ray.
     ///
-    /// A ray may pass in the model but not in the traced lens, or vice versa. Its error is then the distance
-    /// on the film between its landing point and that of the nearest ray that passes in both.
+    /// If a ray passes in only one of the two, its error is the distance on the film between its landing
+    /// point and that of the nearest ray that passes in both.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick-lens model, the landing point on the film is the pupil point times a factor. The factor,
-    /// in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the depth in m.
+    /// In the thick-lens model, the landing point on the film is the pupil point times the factor
+    /// thick_at_infinity() + thick_per_depth_m() / z', in mm per mm, where z' is the depth in m.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

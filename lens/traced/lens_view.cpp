@@ -13,7 +13,7 @@ using glm::dvec2;
 namespace {
 
 /// Number of points of the distortion curve, which maps field tangents to distances from the film centre.
-/// With this number, cubic interpolation of the curve has a relative error below 1e-7.
+/// With 257 points, cubic interpolation has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
 /// A field tangent close to 0, at which the paraxial scale of the film (mm per tangent) is measured.
 constexpr double small_tangent = 1e-4;
@@ -64,8 +64,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If the radius r does not grow with the tangent, the lens transmits no ray at this tangent and the
-        // image is black. The curve is then extended linearly, because it must keep growing to be invertible.
+        // If the radius r does not grow with the tangent, no ray passes the lens at this tangent, and the
+        // image is black there. The curve is then extended linearly, because it must grow to be invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -73,9 +73,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Computes the light as the mean weight of rays over the unit square of (u, v), where blocked rays have
-// weight 0. The region of passing rays is divided into triangles between its centre and its edge. The
-// triangles cover only one half of this symmetric region, so the result is doubled.
+// Returns the mean weight of rays over the unit square of (u, v), where blocked rays have weight 0. The
+// region of passing rays is divided into triangles between its centre and its edge. The region is symmetric,
+// so only one half is computed, and the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {

@@ -46,9 +46,9 @@ class LensView {
     /// Returns the paraxial scale of the image, in mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray whose light reaches the pixel that shows the direction `tangent` in the pinhole image.
-    /// (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns false if the ray is blocked.
-    /// Does not allocate memory.
+    /// Computes a ray whose light reaches a pixel. `tangent` is the direction that this pixel shows in the
+    /// pinhole image. (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns false if the ray
+    /// is blocked. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene at any distance, relative to the light of

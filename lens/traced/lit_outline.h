@@ -12,9 +12,9 @@
 namespace postlens {
 
 /// The outline of the region in which rays pass. The region must be symmetric about x = 0 and star-shaped,
-/// which means that one inner point sees the whole region. Both are true for an object point on the +y axis
-/// of a rotationally symmetric lens. `passes(p)` tests one ray. `scale` is the approximate width of the
-/// outline.
+/// which means that all of it is visible from one inner point. Both are true for an object point on the +y
+/// axis of a rotationally symmetric lens. `passes(p)` tests one ray. `scale` is the approximate width of the
+/// region.
 template <class Passes>
 class LitOutline {
   public:
@@ -23,8 +23,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches for the region around the point `near`. Sets `near` to the centre of the region and `edge` to
-    /// its outline. Returns false if no ray passes.
+    /// Searches for the region, beginning at the point `near`. Sets `near` to the centre of the region and
+    /// `edge` to its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);

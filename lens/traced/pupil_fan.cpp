@@ -100,8 +100,7 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Computes the raster position of each node (ray of the fan) once, and from these positions the bounding
-    // box of the response.
+    // Computes the raster position of each node (ray of the fan), and the bounding box of the response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -110,8 +109,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A small response uses only every second or fourth ring and spoke of the fan. The sides of its outline
-    // still deviate from the true curve by less than 0.03 px.
+    // For a small response, only every second or fourth ring and spoke of the fan is used. The outline still
+    // deviates from the true curve by less than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {

@@ -36,10 +36,10 @@ struct PupilFan {
     }
 };
 
-/// Traces the rays of an object point at inverse depth 1/z', in the direction of the given tangent, which
-/// must not be negative. An inverse depth of 0 means infinitely far, and a negative one means converging
-/// light. `near_m` is the point where the search for the lit part of the pupil begins, and receives the
-/// centre of that part. Returns false and leaves `out` unchanged if no light passes.
+/// Traces the rays of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. An inverse
+/// depth of 0 means infinitely far, and a negative one means converging light. The search for the lit part of
+/// the pupil begins at `near_m`, which receives the centre of that part. Returns false and leaves `out`
+/// unchanged if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 

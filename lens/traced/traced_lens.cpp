@@ -23,7 +23,8 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
                            const Prescription& lens) {
     if (!settings.f_number) return wide_open.stop_radius_mm;
     const double n = *settings.f_number;
-    // The program displays f-numbers with four digits. The tolerance accepts a number that was rounded so.
+    // The program displays f-numbers with four digits. The tolerance accepts a displayed number that was
+    // rounded down.
     constexpr double rounding = 5e-4;
     if (!(n >= wide_open.f_number * (1 - rounding)) || !std::isfinite(n)) {
         fail(ExitCode::wrong_arguments,
@@ -126,9 +127,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, so the direct search can fail. The loop
-    // therefore follows the pupil from the axis outwards in equal steps of the angle. Each search starts at a
-    // linear extrapolation of the previous two results.
+    // In a wide-angle lens, the pupil moves with the field angle, so the direct search can fail. The pupil is
+    // then followed from the axis outwards, in equal steps of the angle. Each search starts at a linear
+    // extrapolation of the previous two results.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -156,9 +157,9 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // The rays lie in one meridian, at equal steps on the pupil. Each ray represents a ring, whose area
-        // is proportional to its radius, so the radius is the weight of the ray. object_ray is not used,
-        // because it measures the object distance from the pinhole and not from the pupil.
+        // The rays lie in one meridian, at equal steps of the pupil radius y. Each ray represents a ring
+        // whose area is proportional to y, so y is its weight. object_ray is not used, because it measures
+        // the object distance from the pinhole and not from the pupil.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -197,10 +198,10 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The object is at distance x from the front focal point and the image at distance x' from the rear one.
-    // They satisfy x x' = n' efl^2. If the lens moves between a fixed object and a fixed film, x + x' stays
-    // constant, and x x' is largest for x = x'. If even this product is below n' efl^2, the object is too
-    // near to be in focus.
+    // Let x be the distance of the object from the front focal point, and x' that of the image from the rear
+    // one. They satisfy x x' = n' efl^2. If the lens moves between a fixed object and a fixed film, x + x' is
+    // constant, and x x' is largest for x = x'. The object is too near if even this product is below n'
+    // efl^2.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -210,8 +211,8 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the extension e, by which the lens moves towards the
-    // object. film(d) is the position of the film at which an object at distance d is sharp. The right side
+    // Solves e = film(s - e) - film(infinity) for the extension e, the distance by which the lens moves
+    // towards the object. film(d) is the film position at which an object at distance d is sharp. film(s - e)
     // grows with e, so the iteration from e = 0 converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
@@ -245,7 +246,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         }
     }
     // Uses only the largest connected group of passing rays. If a prescription gives no clear radii, other
-    // rays pass as well, which any real mount would block.
+    // rays can pass as well, although the mount of a real lens would block them.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -279,8 +280,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search for passing rays begins in a square in the plane of the last surface. Seen from the farthest
-    // film point, the square is about twice as wide as the paraxial exit pupil.
+    // The search for passing rays begins in a square of half width `widest` in the plane of the last surface.
+    // `beam` is twice the half width that rays through the paraxial exit pupil to any film point need there.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -291,8 +292,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search is coarse and covers the whole square. Up to three further searches cover only the
-        // rectangle in which rays pass.
+        // The first search tests a coarse grid in the whole square. Up to three further searches test a grid
+        // in the rectangle in which rays pass.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -311,8 +312,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // Computes E0 by the midpoint rule. E0 is the irradiance at the centre of the film for a scene of
-    // radiance 1. The edge of the pupil causes a relative error of about 1 / nodes^1.5.
+    // E0 is the irradiance at the centre of the film for a scene of radiance 1. The midpoint rule has a
+    // relative error of about 1 / nodes^1.5, because the edge of the pupil cuts cells of the grid.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -391,7 +392,7 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // Searches again within the rectangle of passing rays, so that the mesh of rays fits them tightly.
+    // A second search, within the rectangle of passing rays, makes the mesh of rays fit them tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -406,9 +407,9 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // The weight of a ray is the solid angle, seen from the object point, per unit of area of the pupil
-        // plane: cos / r^2 = cos^3 / depth^2. It is divided by the weight of the ray through the centre of
-        // the pupil.
+        // The weight of a ray is the solid angle, seen from the object point, per area of the pupil plane:
+        // cos^3 / depth^2, where cos is the cosine of the ray's angle from the axis. It is divided by the
+        // weight of the ray through the centre of the pupil.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

@@ -42,8 +42,8 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// The impulse response of one object point as a mesh of rays, which pass through a grid of points of the
-/// entrance pupil. If the same mesh is filled again, its memory is reused.
+/// The impulse response of one object point, as a mesh of rays through a grid of points of the entrance
+/// pupil. A mesh that is filled again reuses its memory.
 struct PupilMesh {
     int nodes = 0;                     ///< along each side; node (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
@@ -103,8 +103,8 @@ class TracedLens {
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
     /// Traces the impulse response of a point in the direction `field` = (x/z', y/z') from the pinhole.
-    /// depth_m must be positive and may be infinite. The mesh has nodes^2 rays, with 2 <= nodes <= 4096. They
-    /// cover a rectangle of the pupil plane that contains all passing rays. Returns false if no ray passes.
+    /// depth_m must be positive and may be infinite. The mesh has nodes^2 rays, with 2 <= nodes <= 4096, in a
+    /// rectangle of the pupil plane that contains all passing rays. Returns false if no ray passes.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
     /// Returns the ray from an object point through a point in the plane of the entrance pupil. The ray is in

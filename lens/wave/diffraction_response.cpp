@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1 for RadialEnergy, which uses two step sizes. There is one table
-/// per step size, long enough for the largest radius that is needed at this step.
+/// Tables of the Bessel functions J_0 and J_1 for RadialEnergy, one for each of its two step sizes. Each
+/// table is long enough for the largest radius that is needed at its step.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -64,7 +64,7 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes of the grids and tables for one depth, computed before any memory is allocated.
+/// Sizes of the grids and tables for one depth. They are computed before any memory is allocated.
 struct Plan {
     double radius_px = 0;
     ResponseGrid window;  ///< only its size, without values

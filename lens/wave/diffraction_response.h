@@ -18,8 +18,8 @@ struct DiffractionSettings {
     double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
     /// Largest fraction of the energy, between 0 and 1, that may lie beyond the edge of the grid. The energy
     /// beyond a radius decreases only as 1 / radius, so a small fraction needs a large grid. With 0.01, the
-    /// grid of a strongly defocused response ends about 10 lambda V/D outside the edge of the disc, where
-    /// lambda is the wavelength, V the film distance and D the aperture diameter.
+    /// grid of a strongly defocused response ends about 10 lambda V/D outside the disc, for wavelength
+    /// lambda, film distance V and aperture diameter D.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
     /// If true, the energy beyond the grid is added to the pixels in proportion to their energy, so that the
@@ -48,10 +48,9 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. The radius is
-/// the solution of (2/pi) v/(v^2 - u^2) = tail, which is an average over fringes. The result can therefore be
-/// too small by up to one fringe. Near the edge of the disc, the formula overestimates the energy beyond v,
-/// so the result is too large there.
+/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. Solves (2/pi)
+/// v/(v^2 - u^2) = tail, which is an average over fringes. The result can therefore be too small by up to one
+/// fringe. Near the edge of the disc, it is too large, because the formula overestimates the energy beyond v.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

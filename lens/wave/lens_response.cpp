@@ -71,7 +71,7 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // Smaller radii, including 0, are replaced by this value. The result is the same, because the disc still
+    // Smaller radii, including 0, are replaced by this value, because the disc must have an area. It still
     // covers the same pixels.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
@@ -92,8 +92,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // Computing a sample of the radial profile takes about v steps at the optical radius v. The total number
-    // of steps is limited, so that the profile takes at most a few seconds.
+    // At the optical radius v, a sample of the radial profile takes about v steps to compute. The total
+    // number of steps is limited, so that the profile takes at most a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -146,8 +146,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // The uniform intensity of the disc, 1 / (area of the disc), divided by the peak intensity in focus,
-        // v_per_px^2 / (4 pi).
+        // Uniform intensity of the disc, relative to the peak intensity in focus: 1 / (area of the disc),
+        // divided by v_per_px^2 / (4 pi).
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -158,7 +158,8 @@ void make_disc(LensResponse& out, int size_px) {
 /// round.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens (|q| = 1) lands at the radius of the CoC (circle of confusion).
+    // Light through the rim of the lens (|q| = 1) lands on the edge of the circle of confusion, so the scale
+    // of the map is the radius of this circle.
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -209,9 +210,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid in px, which is odd and at most largest_own_size_px. Within this
-/// limit, the grid contains all light of a geometric response, whose radius is `farthest_px`. With
-/// diffraction, it contains at least 99 % of the light.
+/// Returns the default width of the grid in px, which is odd and at most largest_own_size_px. If this limit
+/// permits, the grid contains all light of a geometric response, which ends at `farthest_px` from the centre.
+/// With diffraction, it contains at least 99 % of the light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {

@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture, for impulse responses without diffraction. If absent, the aperture is made from
-    /// `impulse`. It must be given if `impulse` is an aperture image.
+    /// The aperture, for impulse responses without diffraction. It is required if `impulse` is an aperture
+    /// image. Otherwise, if absent, it is made from `impulse`.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -45,12 +45,12 @@ struct LensResponse {
     /// Full width at half maximum, which is twice the largest radius at which the intensity is half of its
     /// maximum. For a disc, it is the diameter. Absent if it exceeds the grid.
     std::optional<double> fwhm_px;
-    /// Diameter of the circle that contains half of the energy. It always describes the blur, while `fwhm_px`
-    /// may describe only a bright fringe. Absent if the circle exceeds the grid.
+    /// Diameter of the circle that contains half of the energy. It measures the whole blur, whereas `fwhm_px`
+    /// may measure only a bright fringe. Absent if the circle exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Evenly spaced samples of the radial profile, from the centre to half the width of the grid. Their
-    /// number is four per unit of v (the optical radius), but between 512 and 8192. The upper limit is lower
-    /// if computing the samples would take more than a few seconds.
+    /// Evenly spaced samples of the radial profile, from the centre to half the width of the grid. There are
+    /// four samples per unit of v (the optical radius), but at least 512 and at most 8192. The maximum is
+    /// lower if the samples would take more than a few seconds to compute.
     std::vector<RadialSample> profile;
 };
 

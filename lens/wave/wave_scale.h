@@ -17,8 +17,8 @@ struct WaveScale {
 /// longest_wavelength_nm].
 void check_wavelength(double wavelength_nm);
 
-/// Largest accepted |u| (defocus). For larger |u|, diffraction fringes are narrower than a millionth of the
-/// disc, so the geometric disc is accurate.
+/// Largest accepted |u| (defocus). Beyond it, diffraction fringes are narrower than a millionth of the disc,
+/// so the geometric disc is accurate.
 inline constexpr double largest_u = 1e6;
 
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
@@ -30,10 +30,10 @@ void check_defocus(double u);
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns u and v_per_px for a lens in front of the film of a traced image. v_per_px is 2 pi a / (lambda g),
+/// Returns u and v_per_px for a lens that is applied to a traced image. v_per_px is 2 pi a / (lambda g),
 /// where a is the aperture radius, lambda the wavelength, and g (`gain_px`) the film distance in px. u is
 /// v_per_px times half of `coc_diameter_px`. With framing `keep`, the film distance is that of the trace.
-/// With framing `breathing`, it is the distance at which the focus distance is sharp.
+/// With framing `breathing`, the film is where the focus distance is sharp.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
