@@ -33,15 +33,15 @@ struct FieldBlur {
     std::vector<double> instant_shares;
 };
 
-/// Bit of PatchPicture::touched. It is set in pixels that an object of `wanted_ids` covers in the records or
-/// in a view, and in pixels in which a view sees something that is not recorded.
+/// Bit of PatchPicture::touched. It is set in pixels that show an object of `wanted_ids`, in the records or
+/// in a view. It is also set where a view sees something that is not recorded.
 inline constexpr std::uint8_t wanted_mark = 2;
 
 /// Averages views (reprojected images) at instants that are distributed like the shutter's transmission. A
-/// view blends the records of the recorded instants just before and after it, reprojected to the instant of
-/// the view. Each view has its own sample position in the pixel. Objects whose kind in `ids` is `still` are
-/// not moved, even if their recorded positions differ. Only tiles over which an object of `wanted_ids`
-/// (sorted) may pass are computed.
+/// view blends the records of the recorded instants just before and after it, both reprojected to the view's
+/// own instant. Each view has its own sample position in the pixel. Objects that are `still` according to
+/// `ids` are not moved, even if their recorded positions differ. Only tiles over which an object of
+/// `wanted_ids` (sorted) may pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
@@ -52,9 +52,9 @@ inline constexpr std::uint8_t wanted_mark = 2;
 /// must not be empty.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies those pixels of `seen` to `image` in which `touched` has a bit of `marks`. Both images have the
-/// same size. If part of a pixel's light was not recorded, this part is taken from `behind`. If all light was
-/// recorded, `behind` may be empty.
+/// Copies a pixel of `seen` to `image` if its entry in `touched` has a bit of `marks`. Both images have the
+/// same size. Light of the pixel that was not recorded is taken from `behind`, which may be empty if all
+/// light was recorded.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -30,8 +30,8 @@ void check(const MotionBlurSettings& s) {
 }
 
 /// Largest accepted value of Crossing::most_mse, an upper bound of the error where groups cross. The actual
-/// errors are much smaller: at this limit, the measured PSNR is at least 45 dB over the pixels that the group
-/// touches.
+/// errors are much smaller. At this limit, the measured PSNR over the pixels that the group touches is at
+/// least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -49,8 +49,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Static surfaces may change colour between the recorded instants, so the images of these instants
-        // are blended.
+        // Shadows and lights may move over static surfaces, so the images of all recorded instants are
+        // blended.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -68,7 +68,7 @@ class MotionBlur {
     }
 
   private:
-    // Returns whether the exposure is only the instant of the frame itself, so that the recorded image is the
+    // Returns whether the exposure is exactly the instant of the frame. The recorded image is then the
     // result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
@@ -88,14 +88,14 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Only bands that contain an object of `only` (any object, if it is empty) stay in memory.
-        // Neighbouring bands share a row. If an object occurs in this row, both bands stay in memory.
+        // Keeps only bands in memory that contain an object of `only` (any object, if it is empty).
+        // Neighbouring bands share a row. An object in this row keeps both bands in memory.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // The records of other instants also determine the kind of motion, because an object may move
-        // differently there or may be recorded only there.
+        // The records of other instants also matter, because an object may move differently there or may be
+        // recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -168,8 +168,8 @@ class MotionBlur {
     }
 
     // Returns whether the border of the recorded area cuts off an object at the frame's instant. Convolution
-    // cannot show the missing part, because it only uses the records of this instant. The light field method
-    // also uses the other recorded instants.
+    // uses only the records of this instant, so it cannot show the missing part. The light field method also
+    // uses the other recorded instants.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
@@ -189,7 +189,7 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows is needed because samples and raster cells have a size. A sample represents a
+        // The margin of 2 rows accounts for the size of samples and raster cells. A sample represents a
         // quarter of a quadtree leaf, and a cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
@@ -199,8 +199,8 @@ class MotionBlur {
     }
 
     /// Groups the objects to convolve, and finds the surfaces in the rows over which they move. With the
-    /// method `automatic`, groups for which depth slices would be inaccurate (why_not_sliced) are left to the
-    /// light field method.
+    /// method `automatic`, the light field method blurs those groups for which depth slices would be
+    /// inaccurate (why_not_sliced).
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -260,8 +260,8 @@ class MotionBlur {
         });
     }
 
-    /// Convolves all groups. With the method `automatic`, a group that crosses another one is later drawn
-    /// again by the light field method if the error of the convolution may exceed `most_crossing_mse`.
+    /// Convolves all groups. With the method `automatic`, the light field method later redraws a group that
+    /// crosses another one, if the error of the convolution may exceed `most_crossing_mse`.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -292,8 +292,7 @@ class MotionBlur {
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
             // Moving objects cover every pixel, so no static pixel shows the background behind them. It is
-            // filled from the views instead, which requires the views of the whole image, not only those of
-            // the crop.
+            // filled from the views of the whole image instead, not only from those of the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -315,9 +314,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the colours of the background behind moving objects, interpolated from the static pixels around
-    // them. If moving objects cover every pixel, the colours are interpolated from the pixels in which at
-    // least one view shows a recorded surface.
+    // Returns the colours of the background behind moving objects, interpolated from static pixels. If moving
+    // objects cover every pixel, they are interpolated from the pixels in which at least one view shows a
+    // recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();

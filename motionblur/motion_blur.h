@@ -29,9 +29,9 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute. Pixels outside of it are undefined, and pixels within it are
+    /// The part of the image to compute. Pixels outside of it are undefined. Pixels within it are
     /// bit-identical to those of the whole image. The shares in MotionBlurResult are fractions of the crop's
-    /// pixels. A crop only makes the method lightfield faster.
+    /// pixels. Only the method lightfield becomes faster with a crop.
     std::optional<Crop> crop;
 };
 
@@ -49,8 +49,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices of convolve
-    /// The path that convolve uses: its number of points, the number of knots of the fitted spline (0 if the
-    /// path is not fitted), and the error of the fit.
+    /// The path that convolve uses: its number of points, the number of knots of the spline fitted to it (0
+    /// if none), and the error of the fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;

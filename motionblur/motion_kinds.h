@@ -43,12 +43,12 @@ struct IdMotion {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
     double path_px = 0;          ///< length of the longest path of a corner of the box; may be infinite
-    /// Largest difference, in px, between the displacements of a corner and of the centre of the box.
+    /// Largest difference, in px, between the displacement of a corner of the box and that of its centre.
     /// Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest difference, in px, between the displacement of a corner of the box and the displacement that
-    /// parallax predicts: that of the box's centre times the ratio of the corner's to the centre's inverse
-    /// depth.
+    /// Largest difference, in px, between the displacement of a corner of the box and its prediction by
+    /// parallax: the displacement of the box's centre, times the ratio of the corner's inverse depth to the
+    /// centre's.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m

@@ -37,8 +37,8 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of the surfaces that the
-/// ray and its reflections and refractions hit. Surfaces that are hidden from the pinhole (layers above 0)
+/// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of all surfaces that the
+/// ray, its reflections and its refractions hit. Surfaces that are hidden from the pinhole (layers above 0)
 /// are left out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
@@ -218,8 +218,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, cut-off edges already lie on the border of the frame. They only count if they
-        // move into the frame by more than this margin.
+        // Without overscan, cut-off objects already end at the border of the frame. They count only if the
+        // cut edge moves into the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -337,8 +337,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // An object is not visible at time t if it is recorded neither at the frame's time nor at the
-        // recorded instants just before and after t. No part of it is missing then.
+        // Skips t if the object is recorded neither at the frame's time nor at the recorded instants just
+        // before and after t. The object is not visible then, so no part of it is missing.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -357,8 +357,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, every surface that fills the frame is cut off at all times. lightfield reports
-        // the missing parts of such surfaces by the warning "uncovered" instead.
+        // If the camera moves, every surface that fills the frame is cut off at all times. For lightfield,
+        // the warning "uncovered" reports the missing parts instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

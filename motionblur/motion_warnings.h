@@ -45,20 +45,20 @@ class UnseenMotion {
 };
 
 /// Adds the warning "uncovered" for pixels in which more than 1 % of the light is unknown. `unknown` contains
-/// this share for each pixel. Smaller shares are ignored, because the sample of a single view may fall into a
-/// tiny gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of
-/// affected pixels.
+/// this share for each pixel. Smaller shares are ignored, because a single view's sample may fall into a tiny
+/// gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of affected
+/// pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
 /// Returns whether the border of the recorded area cuts off an object at any time t of the exposure. The
-/// object is not cut off at t if it is whole in the records of the frame's time, or of the recorded instant
+/// object counts as whole at t if it is whole in the records of the frame's time, or of the recorded instant
 /// just before or after t. `instants` contains the bounding boxes of the objects at the recorded instants
 /// that may be used, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
 /// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (`is_cut`).
-/// Objects that lightfield blurs are tested with all recorded instants, but only if the camera does not move.
+/// Objects that lightfield blurs are tested with all recorded instants, and not at all if the camera moves.
 /// Other objects are tested with the records of the frame's time only.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,

@@ -22,13 +22,13 @@ inline constexpr int most_views = 4096;           ///< largest number of views t
 void check_views(const std::optional<int>& views);
 
 /// Returns element j of a (0, 2)-sequence in base 2 [sobol1967] as a sample position in the pixel, in px.
-/// `places` is the number of different positions, a power of 2. Successive positions are far apart, so that
-/// views close in time have very different positions.
+/// `places` is the number of different positions, a power of 2. Successive positions are far apart, so views
+/// that are close in time have very different positions.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
 /// Returns the automatic number of views for objects that move by up to `longest_px`: one view per 2 px,
 /// rounded up to a power of 2, between `fewest_views` and `most_views_by_itself`. docs/motion.md states the
-/// error of such images.
+/// resulting error.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Adds a band of an image, multiplied by `share`, to `sum`, and adds `share` to `weight`. Skips pixels with
-/// a nonzero entry in `hidden`.
+/// Adds a band of an image, multiplied by its weight `share`, to `sum`, and adds `share` to `weight`. Skips
+/// pixels with a nonzero entry in `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {

@@ -19,9 +19,9 @@ namespace postlens {
 /// recorded instants, because shadows and lights may move over static surfaces. `shares` contains the weight
 /// of each instant, which is its share of the exposure.
 ///
-/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. An instant is left out of
-/// the mean in pixels that show such an object at this instant. A pixel in which all instants are left out
-/// does not change.
+/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. If a pixel shows such an
+/// object at an instant, its mean leaves out this instant. If all instants are left out, the pixel does not
+/// change.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

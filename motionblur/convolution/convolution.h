@@ -17,10 +17,10 @@ struct Planes {
 };
 
 /// Method of convolving an object's raster with the raster of its path.
-/// - direct: sums over the path's cells. A run of equal weights along a row or column is added in a single
+/// - direct: sums over the cells of the path. A run of equal weights along a row or column is added in one
 ///   step.
-/// - fft: Fourier transforms, in blocks if that is cheaper.
-/// - automatic: whichever of the two is predicted to be faster.
+/// - fft: multiplies Fourier transforms. The result is computed in blocks if that is cheaper.
+/// - automatic: the method with the shorter predicted time.
 enum class ConvolutionMethod { automatic, direct, fft };
 
 /// Convolves i1, the raster of an object, with i2, the raster of its path. The result is the sum of copies of

@@ -10,19 +10,19 @@
 namespace postlens {
 namespace {
 
-/// Number of columns whose sums are in registers at the same time. These sums fill eight of the sixteen
-/// vector registers of AVX2.
+/// Number of columns that are summed at the same time. Their sums fill eight of the sixteen vector registers
+/// of AVX2.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
 /// Number of products that are summed in single precision before the sum is added to a double. This keeps the
 /// rounding error below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time for a run of equal weights, in multiples of the time for a single cell. A run of more cells than this
-/// is processed as a whole, a shorter run cell by cell.
+/// Time for a run of equal weights, in multiples of the time for one cell. A run of more cells than this is
+/// processed as a whole, a shorter run cell by cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. Weights that should be equal may differ by
-/// rounding, because each weight is the difference of two cumulative exposures.
+/// Relative difference up to which two weights count as equal. Rounding can make equal weights differ,
+/// because each weight is the difference of two cumulative exposures.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -120,14 +120,14 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
 }
 
 /// The contribution of one cell of the path's raster: `weight` times the object's values at the offset `at`
-/// from the position of the output tile.
+/// from the output tile.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// The contribution of a run of path cells with equal weight: `weight` times the sum of consecutive values of
-/// the object. This sum is the difference of two prefix sums, whose offsets from the position of the output
-/// tile are `high` and `low`.
+/// The contribution of a run of path cells with equal weight: `weight` times a sum of consecutive values of
+/// the object. The sum is the difference of two prefix sums, at the offsets `high` and `low` from the output
+/// tile.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -171,7 +171,7 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Direct convolution. It reads copies of the object's rows, which are padded with zeros so that a tile may
+/// Direct convolution. It reads copies of the object's rows that are padded with zeros, because a tile may
 /// extend beyond the ends of a row.
 class DirectConvolution {
   public:
@@ -233,7 +233,7 @@ class DirectConvolution {
         });
     }
 
-    /// Lists the terms of the convolution, row by row of the path's raster. A short run of equal weights
+    /// Lists the terms of the convolution for each row of the path's raster. A short run of equal weights
     /// becomes one CellTerm per cell, and a long run becomes one RunTerm.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
@@ -325,16 +325,16 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of values of the object's raster that the convolution reads for each cell of the path's raster.
-    // It reads whole tiles, so in each row up to one tile beyond the nonzero columns.
+    // Number of object values that are read for each cell of the path's raster. Whole tiles are read, up to
+    // one tile beyond the nonzero columns of each row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
-    // The number of additions is proportional to the share of the full result that is wanted.
+    // Only this share of the full result is computed. The number of additions is proportional to it.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copying large
-    // arrays takes longer, because the system first has to provide their memory.
+    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copies of more
+    // than `large_values` values take longer, because the system first has to provide their memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result, divided into `count` blocks of at most `length` cells. The transform of a block
-/// has `size` cells.
+/// One axis of the result, divided into `count` blocks of at most `length` cells. The Fourier transform of a
+/// block has `size` cells.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
@@ -109,7 +109,7 @@ fftwf_complex* raw(std::complex<float>* p) {
 }
 
 /// Computes a *= b for complex numbers that are stored as pairs of a real and an imaginary part. Each part
-/// has its own loop. In a common loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
+/// has its own loop. In a single loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
 /// results would depend on the processor.
 POSTLENS_MULTIVERSION
 void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {

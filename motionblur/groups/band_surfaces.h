@@ -58,7 +58,7 @@ class RecordBands {
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Finds the group to which an object belongs, by its id. The objects of a group share a path.
+/// Maps the id of an object to its group. The objects of a group share a path.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);

@@ -12,12 +12,13 @@
 namespace postlens {
 namespace {
 
-/// The static surfaces of one pixel in an interval of depth between two neighbouring moving groups, as
-/// weighted sums over the pixel's samples.
+/// The static surfaces of one pixel whose depths lie between two neighbouring moving groups, as weighted sums
+/// over the pixel's samples.
 struct Between {
     std::array<double, 3> colour{};
-    /// The coverage of the pixel is covered / known: the weight of the samples that show a static surface in
-    /// this interval, divided by the weight of the samples that have a record in it or behind it.
+    /// The coverage of the pixel by these surfaces is covered / known. `covered` is the weight of the samples
+    /// that show a static surface in this interval of depth. `known` is the weight of the samples that have a
+    /// record in it or behind it.
     double covered = 0, known = 0;
 };
 
@@ -63,7 +64,7 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Fills the unrecorded background of a pixel with the colours of the farthest static surfaces around it.
+    // Fills unrecorded background with the colours of the farthest static surfaces in the pixels around it.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -82,7 +83,7 @@ class Composite {
         }
     }
 
-    // Returns the range of columns that the moving groups cover in row y.
+    // Returns the range of columns that the images of the moving groups cover in row y.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {
@@ -107,7 +108,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Index of the interval of depth with the previous static surface of this sample; initially none.
+        // Interval of depth that contains the sample's previous static surface; initially none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -179,9 +180,9 @@ class Composite {
 };
 
 /// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels. It is the product of bounds of the two variances. A group that covers a
-/// pixel for a fraction c of the exposure has a coverage with variance c (1 - c). The variance of its light
-/// is at most c if the light is at most 1.
+/// group's light, summed over pixels. It is the product of bounds of the two variances. If a group covers a
+/// pixel for a fraction c of the exposure, its coverage has the variance c (1 - c). Its light has a variance
+/// of at most c if it is at most 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

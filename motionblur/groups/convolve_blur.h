@@ -12,9 +12,8 @@
 
 namespace postlens {
 
-/// The error that arises where a group crosses another moving group. Compositing assumes that the nearer
-/// group's coverage of a pixel is independent of the farther group's light. This is wrong if both change
-/// during the exposure.
+/// The error where a group crosses another moving group. Compositing assumes that the nearer group's coverage
+/// of a pixel is independent of the farther group's light, which is wrong if both change during the exposure.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
     /// Upper bound of the mean squared error over the pixels that the group touches, for radiances up to 1.

@@ -13,9 +13,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. It limits the error
-/// at the ends of the blur, because a surface between two slices is drawn into both. A smaller value does not
-/// increase the measured PSNR.
+/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. A surface between two
+/// slices is drawn into both, so this distance limits the error at the ends of the blur. A smaller value does
+/// not increase the measured PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. It is computed from
@@ -115,9 +115,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // v is the sum of rate * position over the axes, and lies between `low` and `high`. The projected area
-    // max(0, 1 + v) is approximated by area * (1 - v / low), which is linear in v and 0 at v = low. Both
-    // functions have the same mean over the range of v.
+    // The projected area is max(0, 1 + v), where v, the sum of rate * position over the axes, lies between
+    // `low` and `high`. It is replaced by area * (1 - v / low), which is linear in v, 0 at v = low, and has
+    // the same mean over the range of v.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -133,7 +133,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves. For each of these leaves, it needs one Piece.
+    // A record is a corner of about four quadtree leaves. It needs one Piece for each of them.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

@@ -30,7 +30,7 @@ GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) const 
 
 GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) const {
     GroupPicture out = nothing_over(slices, group);
-    // Coordinates of the points of the path along each axis, measured from the axis's low_px.
+    // For each axis, the coordinates of the path's points along it, measured from the axis's low_px.
     std::vector<std::vector<double>> along;
     for (const PathAxis& axis : slices.axes()) {
         along.emplace_back();
@@ -45,8 +45,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Where parts of the group overlap, their coverages add up to more than 1, so the sum is limited to 1. A
-    // coverage of up to `rounding` may be a rounding error and becomes 0.
+    // Where parts of the group overlap, their coverages can add up to more than 1. Colour and coverage are
+    // then scaled to a coverage of 1. A coverage of up to `rounding` may be a rounding error and becomes 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -58,8 +58,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // The displacements, in cells, that move a part of the group's raster into the frame. Only the part of
-    // the path within this window is drawn.
+    // `reach` contains the displacements, in cells, that move a part of the group's raster into the frame.
+    // Only the part of the path within this window is drawn.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};

@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Coverage below this limit is treated as a rounding error of a Fourier transform.
+/// Coverage below this value is treated as 0, because it may be a rounding error of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.

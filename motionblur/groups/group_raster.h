@@ -30,9 +30,9 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The raster cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. The sizes of leaves
-/// and cells are powers of 2. A quarter therefore covers either whole cells (`share` is 1) or the fraction
-/// `share` of a single cell.
+/// The raster cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. Leaves and cells have
+/// sizes that are powers of 2, so a quarter covers either whole cells (`share` is 1) or the fraction `share`
+/// of a single cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;

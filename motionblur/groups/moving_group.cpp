@@ -24,9 +24,9 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether the displacements of two objects agree within `alike_px` at all tested instants. Objects
-/// with parallax are compared at the inverse depth `nearest` (in 1/m), by scaling the displacements of their
-/// centres. If `nearest` is 0, the displacements are not scaled.
+/// Returns whether the displacements of two objects' centres agree within `alike_px` at all tested instants.
+/// For objects with parallax, the displacements are scaled to the inverse depth `nearest` (in 1/m). If
+/// `nearest` is 0, they are not scaled.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -91,8 +91,8 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // A group may have parallax only because its depths differ at other recorded instants. If all its
-        // points have the same depth at this instant, it is treated as a group without parallax.
+        // If all points of a group have the same depth at this instant, the group is treated as one without
+        // parallax, even if the depths differ at other recorded instants.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

@@ -13,11 +13,11 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the group's records, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points that move along `path`. If the group has parallax, displacements
-    /// are proportional to the inverse depth. Otherwise, all points move along `path`.
+    /// Inverse depth, in 1/m, of the points that move along `path`. With parallax, the displacement of other
+    /// points is proportional to their inverse depth. Without parallax, all points move along `path`.
     double path_inverse_z = 0;
     bool has_parallax = false;
-    /// The group's displacement from its recorded position, in px, while the shutter is open. It changes
+    /// The group's displacement from its recorded position, in px, at instants of the exposure. It changes
     /// linearly in time between these points.
     std::vector<PathPoint> path;
     std::size_t points = 0;        ///< number of the path's points before it was fitted
@@ -31,9 +31,9 @@ struct MovingGroup {
 /// farthest point. It is 0 without parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups the moving objects whose displacements agree within 0.02 px at all times, and sorts the groups from
-/// near to far. Objects with parallax form a group if they overlap in depth and their displacements agree
-/// after scaling to the same depth.
+/// Groups the moving objects whose displacements agree within 0.02 px at all times. Objects with parallax
+/// form a group if they overlap in depth and their displacements, scaled to the same depth, agree. Groups are
+/// sorted from near to far.
 ///
 /// If `fit_px` is given, each path is replaced by a spline of few knots that stays within `fit_px` of the
 /// path (`fit_path`). Throws Error(wrong_arguments) for an object that passes the camera, because it has no

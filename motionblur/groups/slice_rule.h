@@ -1,5 +1,5 @@
-// The rule by which the method `auto` decides whether a moving object with parallax is blurred in depth
-// slices or by the light field method.
+// Decides, for the method `auto`, whether a moving object with parallax is blurred in depth slices or by the
+// light field method.
 #pragma once
 
 #include <string>
@@ -16,14 +16,14 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the group's passed_box in which a static surface lies between the nearest and the
-/// farthest depth of the group. Such surfaces may be composited in the wrong order, because all slices of the
-/// group are placed at the group's mean depth.
+/// Returns the fraction of the group's passed_box in which a static surface lies in the group's range of
+/// depth. Such a surface may be composited in the wrong order, because all slices of the group are placed at
+/// the group's mean depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns the reason why the light field method is better than convolution for groups[g], which has
-/// parallax. Returns an empty string if convolution is better. Possible reasons are:
+/// Decides whether groups[g], which has parallax, is better blurred by the light field method than by
+/// convolution. Returns the reason, or an empty string if convolution is better. Possible reasons are:
 /// - The group's parallax exceeds `most_parallax_px`.
 /// - Another object lies in the group's range of depth along its path.
 /// - Parts of the group uncover each other (torn_share).

@@ -59,7 +59,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
     // The unknowns are the offsets of the four control points from evenly spaced points on a straight line.
-    // Regularisation keeps an offset at 0 if the points do not determine it.
+    // Regularisation keeps an offset near 0 if the points do not determine it.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -156,8 +156,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots at the ends of the segments. Where the velocity changes abruptly, there is
-/// a short segment between two long ones. A single knot replaces this short segment.
+/// Returns the times of the knots at the ends of the segments. An abrupt change of velocity causes a short
+/// segment between two long ones, which is replaced by a single knot.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -215,8 +215,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimate of the smallest possible number of segments: the number of cubics that follow the points
-    // within twice the tolerance if they need not join.
+    // Estimate of the smallest possible number of segments: how many cubics follow the points within twice
+    // the tolerance if they need not join.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

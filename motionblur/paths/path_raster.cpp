@@ -38,7 +38,7 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns the fraction of the piece at which the next cell begins, or infinity in the last cell. It is
+    /// Returns where the next cell begins, as a fraction of the piece, or infinity in the last cell. It is
     /// computed from the position of the cell's border, so rounding errors do not accumulate.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
@@ -61,9 +61,9 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips the piece to the window plus a margin of half a cell on every side. Returns false if nothing
-/// remains. Because of the margin, rounding errors cannot remove a part within the window. Parts in the
-/// margin are not drawn.
+/// Clips the piece to the window plus a margin of half a cell on every side. The margin prevents rounding
+/// errors from removing a part within the window. Parts in the margin are not drawn. Returns false if nothing
+/// remains.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -87,8 +87,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If an end of the piece was far outside the window, the rounding error of its clipped position can
-    // exceed half a cell. Clamping keeps the position near the window.
+    // If an end of the piece was far outside the window, its clipped position can be wrong by more than half
+    // a cell, due to rounding. Clamping keeps it near the window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);

@@ -35,9 +35,9 @@ struct ObjectPath {
 /// ..." if `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// Returns, for each path, the ids of the objects that it moves: the ids that the path lists, and all ids
-/// whose name it lists. `names` contains the name of each id. Throws Error(invalid_input) "FILE:LINE: ..."
-/// for an unknown id or name, and for an id that two paths move.
+/// Returns the ids of the objects that each path moves: the ids that the path lists, and all ids with a name
+/// that it lists. `names` contains the name of each id. Throws Error(invalid_input) "FILE:LINE: ..." for an
+/// unknown id or name, and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 

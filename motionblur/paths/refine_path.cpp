@@ -11,8 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first round of least squares. Each later round adds the point with the
-/// largest error of each segment.
+/// Number of points per segment in the first round of least squares. Each later round adds, for each segment,
+/// the point with the largest error.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
@@ -37,8 +37,8 @@ struct Distance {
     }
 };
 
-/// Loss function. It grows with the square of the residual up to the tolerance, and with the fourth power
-/// above it.
+/// Loss function. It is quadratic in the residual up to the tolerance, and grows with the fourth power above
+/// it.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,

@@ -79,7 +79,7 @@ void require_order(double open_s, double close_s, double tolerance_px) {
 }
 
 // Instants at which a piece is tested, as fractions of its duration. No two of them are symmetric about the
-// middle. The tests therefore also detect a function that turns or returns symmetrically within a piece.
+// middle. The tests therefore also detect a motion that turns back halfway and returns.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
 // Fraction of the tolerance that the tests allow. It is below 1, because the error between two test instants
 // can be larger than at the test instants.
@@ -182,7 +182,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // All pieces are halved once before any piece is halved again. The limit on the number of points then
+    // Halves all pieces once before any piece is halved again, so that the limit on the number of points
     // affects all pieces equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;

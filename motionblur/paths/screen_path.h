@@ -73,8 +73,8 @@ class ScreenPath {
 /// `breaks_s` contains, in increasing order, the instants at which the velocity may change abruptly. There
 /// are at least 16 pieces, and at least two between neighbouring breaks.
 ///
-/// A piece is halved, at most 20 times, until it agrees with the function at five unevenly spaced instants.
-/// `at` must return finite positions. The result is deterministic.
+/// Each piece is halved, at most 20 times, until it agrees with the function within the tolerance at five
+/// unevenly spaced instants. `at` must return finite positions. The result is deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

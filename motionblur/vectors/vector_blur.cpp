@@ -29,8 +29,8 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image).
-/// The overlap is too small to reach a sample position in the neighbouring pixel.
+/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image),
+/// in px. The overlap is so small that it reaches no sample position in the neighbouring pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -75,8 +75,9 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 }
 
 /// Returns an image of the background, which is used where no view shows a surface. `weight` is 1 for static
-/// pixels and 0 for moving pixels, whose background is interpolated from the static pixels around them. If
-/// `weight` is empty, the background is the mean of the views, interpolated where no view shows a surface.
+/// pixels and 0 for moving pixels. The background behind moving pixels is interpolated from the static pixels
+/// around them. If `weight` is empty, the background is the mean of the views, interpolated where no view
+/// shows a surface.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -113,7 +114,7 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
         // If too few pixels are static, the background behind moving pixels is the mean of the views
-        // (`seen`). A crop must not change it, so `seen` must then cover the whole image.
+        // (`seen`). `seen` must then cover the whole image, so that a crop does not change the background.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

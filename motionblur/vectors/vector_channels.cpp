@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
                                 // (Z, W) points from the position in the next frame to that in this frame,
-                                // where W points up. Negating only Z yields the motion to the right and down.
+                                // and W points up. The sign of Z is therefore reversed to get the motion to
+                                // the right. W is reversed twice for the motion down, so it keeps its sign.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -43,7 +44,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // Prefers the part that contains the colours, then parts of the same stereo view, then all others.
+        // Order of preference: the part that contains the colours, parts of the same stereo view, all others.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

@@ -60,8 +60,8 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // The parts of the file may have different windows. Pixels that a part does not contain do not move
-        // and are infinitely far away.
+        // The parts of the file may have different windows. A pixel outside the window of a part gets default
+        // values: black, static and infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -90,9 +90,8 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and of their motion vectors. Unless the user selects a layer, the
-    /// first colours of the file are used. If these have no motion vectors, colours that have motion vectors
-    /// are used instead.
+    /// Finds the channels of the colours and of their motion vectors. Unless the user selects a layer, these
+    /// are the file's first colours, or, if those have no motion vectors, the first colours that do.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
@@ -147,7 +146,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns if the vectors may be encoded as colours. In such an encoding, 0.5 means no motion.
+    /// Warns if the vectors may be encoded as colours, in which 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;
@@ -192,7 +191,7 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= ForeignDepths::nothing_z ? 0 : 1 / z;
         } else {
-            // Without depth, faster pixels count as nearer: the inverse depth increases with the speed.
+            // Without depth, faster pixels count as nearer.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

@@ -14,8 +14,7 @@ constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F
 constexpr int edge = SheetMesh::square_px;
 constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four entries of the matrix W
 
-/// The sheets (connected surfaces) in one square of the raster. Indices are relative to the arrays of this
-/// square.
+/// The sheets (connected surfaces) in one square of the raster. Indices refer to the arrays of this struct.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -37,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Number of bytes that sheets and patches need per stored pixel. Twice this amount must be available,
-        // because growing arrays reserve more than they use.
+        // Number of bytes that sheets and patches need per stored pixel. Twice as much memory must be
+        // available, because growing arrays reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -60,7 +59,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds one black square of edge x edge px. All squares without stored pixels share its cells.
+    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share them.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -113,8 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is a connected set of pixels. Either all of them move or all are static, and their depths
-        // are close to the depth of the first pixel.
+        // Finds the sheets. A sheet is a connected set of pixels that all move or are all static, and whose
+        // depths are close to the depth of the first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -178,9 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Returns the velocity of a corner of a pixel. It is the mean velocity of those of the four pixels
-    /// around the corner that belong to the same surface as this pixel. `dx` and `dy` are -1 or 1 and select
-    /// the corner.
+    /// Returns the velocity of the corner of a pixel that `dx` and `dy` (-1 or 1) select. It is the mean
+    /// velocity of those of the four pixels around the corner that belong to the same surface as this pixel.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);

@@ -25,11 +25,11 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 /// its position t frames later. Throws Error(out_of_memory).
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
-/// Returns whether two neighbouring pixels belong to one surface. It is sufficient that their motion vectors
-/// agree within 0.25 px. Near the horizon of a floor, for instance, neighbouring depths differ greatly.
+/// Returns whether two neighbouring pixels belong to one surface. They do if their motion vectors agree
+/// within 0.25 px, even if their depths differ greatly, as on a floor near the horizon.
 ///
-/// For other pixels, the motion vectors must agree within 2 px or a tenth of the longer vector, and the ids
-/// must be equal. If a pixel has no id, the depths (if the image has them) must agree within 2 % instead.
+/// Otherwise, the motion vectors must agree within 2 px or a tenth of the longer vector, and the ids must be
+/// equal. If a pixel has no id, the depths (if the image has them) must agree within 2 % instead.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens
