@@ -186,8 +186,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
     // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Aperture::farthest is
-    // exact only for aperture images.
+    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
+    // images, Aperture::farthest is slightly too large for it.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
@@ -202,8 +202,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye (mechanical vignetting), one response is used for a whole region of the image, although
-    // the outline varies within the region. A tolerance of 0.02 px is therefore sufficient.
+    // With cats_eye (mechanical vignetting), the outline varies even within a region of the image that uses
+    // one response. More precision than 0.02 px would therefore be wasted.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

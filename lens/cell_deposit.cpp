@@ -39,8 +39,9 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the whole area to the right of one side of a polygon. It is positive if the side runs
-// upwards, and negative if it runs downwards. The sum over all sides is the energy inside the polygon.
+// Adds the energy of the whole area to the right of one side of a polygon: with positive sign if the side
+// runs upwards, and with negative sign if it runs downwards. The sum over all sides is the energy inside the
+// polygon.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;

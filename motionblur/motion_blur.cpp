@@ -88,8 +88,8 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Keeps only bands in memory that contain an object of `only` (any object, if it is empty).
-        // Neighbouring bands share a row. An object in this row keeps both bands in memory.
+        // Keeps only those bands of rows in memory that contain an object of `only` (any object, if it is
+        // empty). Neighbouring bands share a row. An object in this row keeps both bands in memory.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])

@@ -25,8 +25,8 @@ struct IdExtent {
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
 /// Enlarges the bounding boxes of objects to include their records in a band, except those seen by reflection
-/// or transmission. If `only` is not empty, it contains the sorted ids of the objects to include. Returns
-/// whether the band contains any of these objects.
+/// or transmission. `only` contains the sorted ids of the objects to include. If it is empty, all objects are
+/// included. Returns whether the band contains any of these objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {

@@ -206,8 +206,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether an edge of the object at the border of the recorded area, where the object is cut off,
-/// moves into the frame. `map` moves the object's records from the recorded instant to another instant.
+/// Returns whether a cut-off edge of the object moves into the frame. Such an edge lies at the border of the
+/// recorded area. `map` moves the object's records from the recorded instant to another instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,

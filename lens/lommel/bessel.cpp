@@ -20,7 +20,7 @@ std::vector<double> bessel_orders(double v) {
         return j;
     }
     // The downward recurrence starts with 1e-250 and grows by the factor n! (2/v)^n, where n is the last
-    // order. It would overflow for tiny v. Below 1e-3, the first two terms of the power series are used
+    // order. It would overflow for tiny v. For v below 1e-3, the first two terms of the power series are used
     // instead.
     if (v < 1e-3) {
         double term = 1;

@@ -16,8 +16,8 @@ namespace postlens {
 /// bessel_orders starts there.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// Tables of the Bessel functions J_0(v) and J_1(v) at v = 0, step, 2 step, ... Upward recurrences compute
-/// higher orders from these values, for all depths and wavelengths.
+/// Tables of the Bessel functions J_0(v) and J_1(v) at v = 0, step, 2 step, ... For all depths and
+/// wavelengths, higher orders are computed from these values by upward recurrences.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

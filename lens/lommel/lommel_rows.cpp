@@ -104,8 +104,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first points, at most a few dozen, are computed by the slow lommel_intensity. There, the fast
-    // series would divide by zero (v = 0) or lose precision (small u and v <= u).
+    // The first points, at most a few dozen, are computed by the slow lommel_intensity. For these points, the
+    // fast series would divide by zero (v = 0) or lose precision (small u and v <= u).
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

@@ -35,8 +35,7 @@ struct TextLine {
 /// Parses a word as a number. Throws "FILE:LINE: WHAT is not a finite number (got ...; expected a number)".
 double number_in(const std::string& file, int line, std::string_view word, std::string_view what);
 
-/// Throws if a prescription that already has `count` surfaces cannot have another one, because the limit is
-/// most_surfaces.
+/// Throws if `count`, the number of surfaces read so far, has reached the limit most_surfaces.
 void check_surface_count(const std::string& file, int line, std::size_t count);
 
 /// Throws if the medium between the object and the lens is not air.

@@ -25,8 +25,7 @@ using SeqWords = std::vector<std::string_view>;
 [[nodiscard]] double seq_number(const std::string& file, int line, const SeqWords& words, std::size_t i,
                                 std::string_view what);
 
-/// Throws Error(invalid_input). Call it for a command that describes anything other than a lens of centred
-/// surfaces.
+/// Throws Error(invalid_input) for a command that describes anything other than a lens of centred surfaces.
 [[noreturn]] void seq_unsupported(const std::string& file, int line, std::string_view what);
 
 }  // namespace postlens

@@ -79,8 +79,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // The search goes outwards in steps of one degree until the distance reaches field_mm or no longer grows.
-    // It may fall again at large field angles. The last step is then bisected.
+    // Searches outwards in steps of one degree, until the chief ray lands at least field_mm from the film
+    // centre, or nearer to it than in the previous step. The latter happens at large field angles. The last
+    // step is then bisected.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);

@@ -281,7 +281,7 @@ void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
     // The search for passing rays begins in a square of half width `widest` in the plane of the last surface.
-    // `beam` is twice the half width that rays through the paraxial exit pupil to any film point need there.
+    // Rays through the paraxial exit pupil to any film point meet this plane within beam / 2 of the axis.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =

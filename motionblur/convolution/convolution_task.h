@@ -23,7 +23,7 @@ struct ConvolutionTask {
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
     /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path, within
-    /// `wanted`. `out` becomes empty if the result is 0 there.
+    /// `wanted`. `out`, the window of the result, becomes empty if the result is 0.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }

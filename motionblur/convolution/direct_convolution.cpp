@@ -89,8 +89,8 @@ struct Orientation {
     bool is_transposed = false;
 };
 
-/// Decides whether the runs lie along rows or along columns. If columns are cheaper, the whole convolution is
-/// transposed.
+/// Decides whether runs of equal weight follow rows or columns of the path's raster. If columns are cheaper,
+/// the whole convolution is transposed.
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};

@@ -108,7 +108,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Interval of depth that contains the sample's previous static surface; initially none.
+        // Index of the interval of depth that contains the sample's previous static surface; initially none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -180,9 +180,9 @@ class Composite {
 };
 
 /// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels. It is the product of bounds of the two variances. If a group covers a
-/// pixel for a fraction c of the exposure, its coverage has the variance c (1 - c). Its light has a variance
-/// of at most c if it is at most 1.
+/// group's light, summed over pixels. It is the product of bounds of the two variances. The coverage by a
+/// group that covers a pixel for a fraction c of the exposure has the variance c (1 - c). The variance of the
+/// group's light is at most c, for light up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

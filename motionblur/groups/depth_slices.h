@@ -63,11 +63,11 @@ class DepthSlices {
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the scale of the path of slice k relative to the path of the group.
+    /// Returns the scale of depth slice k's path, relative to the path of the group.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Returns the window that all slices share. It consists of the cells that contain the group at the
-    /// recorded instant.
+    /// Returns the window that all depth slices share: the cells that contain the group at the recorded
+    /// instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Divides the points into segments that one cubic each can follow within the tolerance. Each segment is as
-/// long as possible, which is found by doubling and bisection. If `joined` is true, each segment begins where
-/// the previous one ends. Stops after `most` segments, even if they do not reach the last point.
+/// Divides the points into segments, each of which one cubic can follow within the tolerance. Doubling and
+/// bisection find the longest possible segment. If `joined` is true, each segment begins where the previous
+/// one ends. Stops after `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {

@@ -61,9 +61,9 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips the piece to the window plus a margin of half a cell on every side. The margin prevents rounding
-/// errors from removing a part within the window. Parts in the margin are not drawn. Returns false if nothing
-/// remains.
+/// Clips a piece of a path to the window plus a margin of half a cell on every side. The margin prevents
+/// rounding errors from removing a part within the window. Parts in the margin are not drawn. Returns false
+/// if nothing remains.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -113,7 +113,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
         // The exposure is a single instant, so only one point of the path is used: the first one at or after
-        // this instant, or the last one of the path.
+        // this instant, or else the last one.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));

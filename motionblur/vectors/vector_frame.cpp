@@ -130,8 +130,8 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the value of the option --layer that selects the colours of a group, or nothing if the group
-    /// has no colours.
+    /// Returns the value of the option --layer that selects the colours of a group of channels, or nothing if
+    /// the group has no colours.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
