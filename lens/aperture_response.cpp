@@ -42,9 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns the number of parts into which a straight line of `length` on the lens is divided. Spherical
-/// aberration bends the image of the line, but the image of each part deviates from a straight line by less
-/// than 0.02 px.
+/// Returns the number of parts into which a line of `length` on the lens is divided. Despite spherical
+/// aberration, the image of each part then deviates from a straight line by less than 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));

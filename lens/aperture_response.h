@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// The image of one scene point on the film. Light through lens point q, in lens radii, lands at `map_px q +
+/// The image of one scene point on the film. Light through lens point q (in lens radii) lands at `map_px q +
 /// spherical_px q |q|^2`, in px relative to `centre_px`. For scene points in front of the plane in focus,
-/// map_px also rotates the image of the aperture by 180 degrees.
+/// map_px includes a rotation by 180 degrees.
 struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;
@@ -46,10 +46,9 @@ inline constexpr double smallest_response_px = 1e-4;
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to
 /// 0 if no light passes.
 ///
-/// The aperture is divided into cells. The cells of an aperture image are its pixels. Other apertures are
-/// divided into rings and sectors, so that the image of each cell deviates from a polygon by less than 0.02
-/// px. The light of each cell is spread uniformly over the cell's image. Where images of cells overlap, as in
-/// caustics, their light adds up.
+/// The aperture is divided into cells: the pixels of an aperture image, or else parts of rings. The image of
+/// each cell deviates from a polygon by less than 0.02 px. The light of a cell is spread uniformly over the
+/// cell's image. Where images of cells overlap, as in caustics, their light adds up.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 

@@ -92,9 +92,9 @@ double EllipseRows::right_edge(double t) const {
 /// Returns the area to the left of x in the strip, which is the part of the ellipse within one pixel row. x
 /// is relative to the centre.
 ///
-/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t, where left(t) and
-/// right(t) are the ends of the ellipse's chord at t. It has a closed form between the heights where the
-/// outline of the ellipse crosses x.
+/// Let left(t) and right(t) be the ends of the ellipse's chord at the height t. The area is the integral of
+/// min(right(t), x) - min(left(t), x) over t. It has a closed form between the heights where the outline
+/// crosses x.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;

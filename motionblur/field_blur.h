@@ -47,9 +47,9 @@ inline constexpr std::uint8_t wanted_mark = 2;
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the views of `field` in the tiles that overlap `crop`. Pixels over which nothing moves are black,
-/// and their share of unknown light is 0. `field` must have exactly one set of views, and its `class_marks`
-/// must not be empty.
+/// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Pixels over which
+/// nothing moves are black, and their share of unknown light is 0. `field` must have exactly one set of
+/// views, and its `class_marks` must not be empty.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
 /// Copies a pixel of `seen` to `image` if its entry in `touched` has a bit of `marks`. Both images have the

@@ -84,10 +84,9 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // Let y be the height of a ray at the first surface, and nu its slope times the refractive index. The ray
-    // meets the stop at the height a y + b nu = a (y + b/a nu). The lens therefore images the plane at
-    // distance b/a behind the first vertex, in object space, onto the stop. The entrance pupil is 1/a times
-    // as large as the stop.
+    // A ray with height y at the first surface, and with nu (its slope times the refractive index), meets the
+    // stop at the height a y + b nu = a (y + b/a nu). Seen from object space, the stop therefore appears at
+    // distance b/a behind the first vertex and 1/a times as large. This image is the entrance pupil.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;

@@ -74,10 +74,10 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths and `count` field tangents. The depths range from a to b in equal steps of the
-/// inverse depth, and b may be infinite. The tangents range from 0 to the edge of the field. At the edge, the
-/// chief ray (the ray through the centre of the stop) lands `field_mm` from the centre of the film. Throws
-/// Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands at that distance.
+/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` field tangents from 0
+/// to the edge of the field. b may be infinite. At the edge, the chief ray (the ray through the centre of the
+/// stop) lands `field_mm` from the centre of the film. Throws Error(wrong_arguments) unless 0 < a < b, or if
+/// no chief ray lands at that distance.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 

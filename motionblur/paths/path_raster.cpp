@@ -224,8 +224,8 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
             // The path is in the current cell between the fractions `before` and `at` of the piece. The light
-            // of this part is multiplied by the value at its middle, which is exact if the shutter's
-            // transmission is constant. If rounding makes `at` smaller than `before`, no light is added.
+            // of this part is multiplied by the value at its middle, which is exact for a shutter of constant
+            // transmittance. If rounding makes `at` smaller than `before`, no light is added.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;
