@@ -19,7 +19,7 @@ struct MeshEdge {
 };
 
 /// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if their
-/// vertex indices differ. The edge then stores the lowest index of each position. An edge with more than two
+/// vertex indices differ. Such an edge stores the lowest index of each position. An edge of more than two
 /// triangles is listed once for each pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 

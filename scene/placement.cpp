@@ -11,7 +11,7 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are too short to define a direction. The new vectors are perpendicular to the other
+// Replaces columns that are too short to define a direction by vectors that are perpendicular to the other
 // columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {

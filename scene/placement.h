@@ -15,11 +15,11 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// The placement that approximates a matrix, and its error. The error is the largest distance between a
-/// column of the given matrix and that of the placement's matrix, divided by the length of the longest given
-/// column. Apart from rounding, it is 0 unless the matrix contains shear. The rotation is the orthogonal
-/// factor of the polar decomposition [higham1986]. A mirroring matrix gives a negative scale along x, and a
-/// singular matrix gives a scale of 0.
+/// A placement (translation, rotation, scale) that approximates a matrix, and its error. The error is the
+/// largest distance between a column of the given matrix and that of the placement's matrix, divided by the
+/// length of the longest given column. Except for rounding, it is 0 if the matrix contains no shear. The
+/// rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
+/// negative scale along x, and a singular matrix gives a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;

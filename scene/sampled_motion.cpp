@@ -10,8 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// Number of equal parts into which the gap between two keyframes is divided. The error is measured at the 7
-// times between these parts.
+// The gap between two keyframes is divided into this many equal parts. The error is measured at the 7 times
+// between them.
 constexpr int looks = 8;
 
 struct Sampler {

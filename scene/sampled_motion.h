@@ -29,7 +29,7 @@ struct SampledMotion {
                                            std::span<const glm::dvec3> points, double tolerance_m);
 
 inline constexpr double smallest_key_scale = 1e-6;
-/// Shortest gap between keyframes, in seconds. If a motion jumps, another keyframe is added this long before
+/// Shortest gap between keyframes, in seconds. If a motion jumps, there is also a keyframe this long before
 /// the jump.
 inline constexpr double shortest_key_gap_s = 1e-6;
 

@@ -111,8 +111,8 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the motion. If there are any, the transform at time t is key(t) * motion_base instead of
-    /// world_from_object.
+    /// Keyframes of the motion. If there are any, they replace world_from_object: the transform at time t is
+    /// key(t) * motion_base.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
     /// If false, the object blocks no light. An example is an emitting ball around a point light.
@@ -148,7 +148,7 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera, at most one of the following three is set. `focal_length_mm` is also the
+    /// For a perspective camera, at most one of the next three members is set. `focal_length_mm` is also the
     /// film distance, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
@@ -177,8 +177,8 @@ struct Scene {
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
     double exposure_stops = 0;    ///< set by `expose`
-    /// Lumens per watt by which photometric lights (in lux or candela) were divided. Empty if the file has no
-    /// such lights.
+    /// Lumens per watt by which the photometric lights of the file (in lux or candela) were divided. Empty if
+    /// it has no such lights.
     std::optional<double> lumens_per_watt;
     double metres_per_unit = 1;      ///< factor by which all lengths of the file were multiplied
     double time_s = 0;               ///< default time

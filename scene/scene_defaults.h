@@ -20,9 +20,9 @@ void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
 /// Returns the horizontal direction from which most mesh surfaces show their outer side. For a room without a
-/// front wall, this is the direction to the missing wall. The direction is the horizontal part of the mean
-/// normal of all triangles, weighted by area. Returns empty if the horizontal part is shorter than 0.1 or
-/// shorter than the vertical part.
+/// front wall, it points towards the missing wall. It is the horizontal part of the mean normal of all
+/// triangles, weighted by area. Returns empty if this part is shorter than 0.1 or shorter than the vertical
+/// part.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
 /// Returns true if any material reflects light from light sources, that is, if its diffuse,

@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// A rectangle of up to this many texels along each edge is read texel by texel. A larger one is read in
-/// squares of texels whose ranges are precomputed, about this many along an edge.
+/// A rectangle of up to this many texels along each edge is read texel by texel. In a larger one, up to this
+/// many squares of texels, with precomputed ranges, are read along each edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {

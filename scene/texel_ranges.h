@@ -28,8 +28,8 @@ class TexelRanges {
     /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last]. `rgb` must be the
     /// array that was passed to the constructor. Outside the image, texels are repeated along x or y if
     /// `wrap_x` or `wrap_y` is set. Otherwise, the texels of the border are used. If a side of the rectangle
-    /// is longer than 9 texels, the range may include texels outside the rectangle, at most two fifths of the
-    /// longer side away.
+    /// is longer than 9 texels, the range may include texels outside it, up to two fifths of the longer side
+    /// away.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

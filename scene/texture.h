@@ -59,10 +59,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of colours in the bounding box of two texture positions. If the positions are half
-    /// an image or more apart, they are assumed to lie on both sides of a seam of the texture. The range then
-    /// includes only the colours at the two positions. Otherwise it includes all cells or texels that overlap
-    /// the box.
+    /// Returns the range of colours in the bounding box of two texture positions, from all cells or texels
+    /// that overlap the box. If the positions are half an image or more apart, they are assumed to lie on
+    /// both sides of a seam of the texture. In that case, only the colours at the two positions are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -119,8 +119,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
             if (!straight) add(a, b, c);
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
             tried = 0;
-            // Skips the next corner, so that the ears are spread over the polygon. Adjacent ears would be
-            // thin slivers.
+            // Skips the next corner, because cutting adjacent ears would give thin slivers.
             ++at;
         } else {
             ++at;

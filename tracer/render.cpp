@@ -58,8 +58,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The two halves of the samples differ only in their seeds. The seeds are hashed so that two
-            // renders with neighbouring values of --seed have no half in common.
+            // The two halves of the samples differ only in their seeds. The seeds are hashed, so renders with
+            // neighbouring values of --seed share no half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -174,8 +174,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // Each block is summed from 0 before it is added to the total. A run that renders only this block
-            // (--share) sums it in the same order, so both results are bit-identical.
+            // A block is summed from 0 before it is added to the total. A run that renders only this block
+            // (--share) sums it in the same order. Both results are therefore bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

@@ -57,8 +57,8 @@ struct RenderSettings {
     /// Text that marks each written file as a part of a render (pictures/picture_part.h). If empty, the files
     /// are ordinary images.
     std::string part_mark;
-    /// If set to {i, n}, the samples of every pixel are divided into n parts, and this run renders only part
-    /// i, counted from 0 (render_state.h). Both halves of the samples are then written to one file. Used with
+    /// If set to {i, n}, the samples of every pixel are divided into n parts, and only part i, counted from
+    /// 0, is rendered (render_state.h). Both halves of the samples are then written to one file. Used with
     /// `part_mark`.
     std::optional<std::array<int, 2>> sample_share;
 };

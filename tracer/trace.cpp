@@ -24,8 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// A lens may see past depth edges outside the recorded window. They are searched for up to this distance, px,
-// from the window. Edges farther out would affect only its border.
+// A lens may see past depth edges outside the recorded window. Edges are searched for up to this distance,
+// px, from the window. Edges farther out would affect only the border of the window.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -88,7 +88,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // Makes the trace also record the hidden surfaces that a lens sees past edges in the window `w`.
+    // Makes the trace also record the hidden surfaces in the window `w` that a lens sees past edges.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -163,8 +163,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` predicts
-// where surfaces are at all instants that are reprojected from this one. It may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` predicts the
+// positions of surfaces at the instants that are reprojected from this one. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -181,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants from the previous recorded instant to the next one. Images at these instants are
-// reprojected from the records at `at_s`.
+// The records at `at_s` are reprojected to instants between the previous and the next recorded instant.
+// Returns a selection of these instants.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
@@ -354,7 +354,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods read only the frame's own instant, so its overscan must suffice for the whole shutter
+    // Some methods reproject only the frame's own instant, so its overscan must suffice for the whole shutter
     // interval.
     if (settings.overscan_auto)
         result.overscan_px =

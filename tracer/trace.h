@@ -21,31 +21,29 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// If true and `for_f_number` is set, cells at the edges of objects are subdivided to at least
-    /// `lens_levels` levels. `subdivision.levels` then limits only the subdivision caused by contrast.
+    /// If true and `for_f_number` is set, the edges of objects are subdivided to at least `lens_levels`
+    /// levels. `subdivision.levels` then limits only the subdivision due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Number of levels that is enough for methods that also trace rays into the scene where the records are
-    /// too coarse. docs/planner.md compares the times of other levels.
+    /// Number of levels that suffices for methods that also trace rays into the scene where the records are
+    /// too coarse. docs/planner.md compares the times of other numbers.
     static constexpr int ray_levels = 1;
-    /// Angle, degrees, by which an object may turn relative to the camera from one recorded instant to the
-    /// next. Used if `keys` is absent. Between two recorded instants, a turning ball shows a strip of its
-    /// surface that neither of them shows. At 15 degrees, this strip is at most 0.9 % of the ball's radius
-    /// wide in the image (1 - cos 7.5 degrees).
+    /// Angle, degrees, by which an object may turn relative to the camera between two recorded instants. Used
+    /// if `keys` is absent. A turning ball shows a strip of its surface that neither instant records. At 15
+    /// degrees, the strip's width in the image is at most 0.9 % of the ball's radius (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, in dB, of light that changes between two recorded instants (light_keys). Used if `keys`
-    /// is absent. At 43 dB, the squared error is half of that at 40 dB, the default target of the method
-    /// auto.
+    /// is absent. The squared error at 43 dB is half of that at 40 dB, the default target of the method auto.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, so that half
-    /// as many instants suffice if the light changes smoothly.
+    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower. If the light
+    /// changes smoothly, half as many instants then suffice.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets `lens_radius_m` to the radius of a lens with the f-number `for_f_number`, or else
-    /// that of the camera, or else 1.4. If `for_f_number` is given, it sets `bend_radius_m` (lens radius for
-    /// measuring `w_bend`) to the same value.
+    /// that of the camera, or else 1.4. If `for_f_number` is given, `bend_radius_m`, the lens radius for
+    /// measuring `w_bend`, gets the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =

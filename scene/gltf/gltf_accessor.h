@@ -12,7 +12,8 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// finite values, element by element; normalised integers are scaled to [-1, 1] or [0, 1]
+    /// the values of all elements in order, all finite; normalised integers are scaled to [0, 1] or, if
+    /// signed, to [-1, 1]
     std::vector<float> values;
 };
 

@@ -38,7 +38,7 @@ struct GltfDocument {
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
     /// Returns the bytes of a data URI or of a file. A file must be in the scene's folder or below, and is
-    /// added to `files`. `place` is the JSON object that contains the URI, for error messages. Throws
+    /// added to `files`. `place`, the JSON object that contains the URI, is used in error messages. Throws
     /// Error(invalid_input) for other kinds of URI, for a path that leads out of the folder, and for a file
     /// that cannot be read.
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);

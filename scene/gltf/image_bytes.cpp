@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-// Returns the file format, recognised by the first bytes. The names and types that scenes state may be wrong,
-// and some readers accept any bytes.
+// Returns the file format, recognised by the first bytes. The format that a scene states may be wrong, and
+// some readers accept any bytes.
 const char* format_of(std::string_view bytes) {
     using namespace std::string_view_literals;
     struct Magic {

@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-/// Gives assimp the contents of files as UTF-8 from memory. Rewrites MTL files (obj_text.h). Recognises
+/// Gives assimp the contents of files from memory, as UTF-8. Rewrites MTL files (obj_text.h), and recognises
 /// UTF-16 by its byte order mark. Does not open files outside the scene's folder, and writes no files. Keeps
 /// a list of requested files that are missing, and a list of those outside the folder.
 class MeshFiles : public Assimp::IOSystem {

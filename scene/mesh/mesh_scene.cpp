@@ -100,7 +100,8 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // If texture coordinates are given per corner of a face, each corner becomes a vertex of its own.
+        // Texture coordinates may be given per corner of a face. In that case, each corner becomes a separate
+        // vertex.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;

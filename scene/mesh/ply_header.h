@@ -16,8 +16,7 @@ enum class PlyFormat { ascii, little_endian, big_endian };
 struct PlyProperty {
     std::string name;
     PlyType type = PlyType::none;  ///< type of a value, or of each entry of a list
-    /// type of the number of entries, which precedes the entries of a list; `none` if the property is not a
-    /// list
+    /// type of the number that precedes a list and counts its entries; `none` if the property is not a list
     PlyType count_type = PlyType::none;
 };
 
@@ -33,9 +32,8 @@ struct PlyHeader {
     std::string texture_file;  ///< from a "TextureFile" comment, which MeshLab and VCGlib write; or empty
 };
 
-/// Removes the header from the front of `bytes`. `bytes` then begins with the data. All lines must end like
-/// the first one: with CR alone, or with LF. A CR before LF is ignored. Throws Error(invalid_input) "FILE:
-/// ...".
+/// Removes the header from the front of `bytes`, which then begins with the data. All lines must end like the
+/// first one: with CR alone, or with LF. A CR before LF is ignored. Throws Error(invalid_input) "FILE: ...".
 [[nodiscard]] PlyHeader take_ply_header(std::string_view& bytes, const std::string& file);
 
 }  // namespace postlens

@@ -77,7 +77,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // If `peek` has already read the next line, the line of the last word (`taken_line_`) has no words left.
+    // If `peek` has already read the next line, no words are left of `taken_line_`, the line of the last
+    // word.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -23,7 +23,7 @@ using TexturesByName = std::map<std::string, std::shared_ptr<const Texture>, std
 
 [[nodiscard]] std::vector<Material> read_materials(const TomlTable& root, const TexturesByName& textures);
 
-/// Returns an error message for the unknown name `got`. The message lists the `known` names. `kind` says what
+/// Returns an error message for the unknown name `got`, with a list of the `known` names. `kind` states what
 /// is named, such as "material".
 [[nodiscard]] std::string unknown_name(std::string_view kind, std::string_view got,
                                        const std::vector<std::string_view>& known);

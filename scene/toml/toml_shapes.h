@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// Values of the key `shape`. The parameter `kind` of the functions below is an index into this array. An
+/// Values of the key `shape`. In the functions below, the parameter `kind` is an index into this array. An
 /// "instance" is a copy of another object.
 inline constexpr std::array<std::string_view, 9> shape_kinds{"sphere",   "box",  "disc", "rectangle", "plane",
                                                              "cylinder", "cone", "mesh", "instance"};

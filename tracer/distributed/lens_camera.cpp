@@ -68,8 +68,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The ray goes from the lens point to the point of the plane in focus that the pinhole sees at this
-        // raster position.
+        // The ray goes from the lens point to the point in the plane of focus that the pinhole sees at (x,
+        // y).
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -77,8 +77,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the position in the image of a ray through the pinhole that has the given tangent. It is measured
-// from the image centre, in units of half the image diagonal, as in Aperture.
+// Returns the image position of a ray through the pinhole. `tangent` gives the direction of the ray. The
+// position is measured from the image centre, in half image diagonals, as in Aperture.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }

@@ -32,8 +32,8 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` provides the raster, the projection and the pose at rest. `camera` provides the motion. An
-    /// orthographic camera must be a pinhole.
+    /// `model` provides the raster, the projection and the pose of the camera without motion. `camera`
+    /// provides the motion. An orthographic camera must have an aperture radius of 0.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
     /// Sixteen samples with explicit lens points instead of random numbers. x and y are raster positions, px.
@@ -43,13 +43,13 @@ class LensCamera {
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through explicit lens points to the batch. For the same lens points, the overload for
-    /// LensSamples adds the same rays, except for rounding.
+    /// Adds rays through explicit lens points to the batch. Except for rounding, they equal the rays that the
+    /// overload for LensSamples makes for these lens points.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays with unit directions to the batch. Their times are set only if the batch has
-    /// times. If `loses_rays()` is true, the transmittance of the lens for each ray is appended to `weights`.
-    /// Rays with a transmittance of 0 are set to hit nothing.
+    /// Adds 16 rays with unit directions to the batch. Sets their times only if the batch has times. If
+    /// `loses_rays()` is true, appends the lens's transmittance for each ray to `weights`. A ray with a
+    /// transmittance of 0 is set to hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
     /// True if the lens may block part of the light of some rays. add_rays then appends their transmittances
     /// to `weights`. If false, add_rays leaves `weights` unchanged.
@@ -64,15 +64,14 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point on a ray. The ray starts at the
-    /// lens point `unit`, in lens radii, and the lens maps it to the raster position (x, y). `t` is the
-    /// distance of the point along the ray, m. Not for cameras with a lens prescription.
+    /// Follows a ray from the lens point `unit`, in lens radii, for `t` metres. The ray is the one that the
+    /// lens maps to the raster position (x, y). Returns the raster position, px, at which the pinhole sees
+    /// its end. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth of the point `world`, 1/m, and its two derivatives along the raster's axes,
-    /// 1/m per px. The derivatives are those of the plane through `world` with the given normal. All three
-    /// values are 0 if the pinhole sees this plane edge-on or if the camera is orthographic. The camera must
-    /// not move.
+    /// 1/m per px, on the plane through `world` with the given normal. All three values are 0 if the pinhole
+    /// sees the plane edge-on or if the camera is orthographic. Not for moving cameras.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for
@@ -95,8 +94,8 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray from the lens point `unit` towards the point of the plane in focus that the pinhole
-    /// sees at (x, y). Returns true if the aperture transmits the ray.
+    /// Computes the ray from the lens point `unit`, in lens radii, to the point in the plane of focus that
+    /// the pinhole sees at (x, y). Returns true if the aperture transmits the ray.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

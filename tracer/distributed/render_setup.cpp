@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Temporary f-number of a lens prescription whose own f-number is computed later. It only matters that this
-/// value is finite.
+/// Placeholder for the f-number of a lens prescription until that number has been computed. It only needs to
+/// be finite.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

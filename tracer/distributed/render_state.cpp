@@ -27,13 +27,14 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute with the layout of a file, as JSON: into how many halves and blocks the samples
-/// are divided, whether an unfinished block has its own sum, and the exposure in stops.
+/// Name of the file attribute that describes the layout of the file, as JSON: the number of halves
+/// (independent sets of samples), the number of blocks of samples, whether an unfinished block has its own
+/// sum, and the exposure in stops.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each of the `halves` sets of
-// samples adds 1 channel for the sample count, and 6 channels for each sum (three doubles). It has one sum
-// per block, and one more for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel. There are 3 for R, G and B. Each half of the samples adds
+// 1 channel for the sample count and 6 for each sum (three doubles). A half has one sum per block, and one
+// more for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,8 +44,8 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file, one for each 32-bit word of a pixel. `words` holds the words of all
-/// pixels. Each channel points to its word of the first pixel. If `words` is null, the pointers are null.
+/// Returns the channels of the file, one per 32-bit word of a pixel. `words` holds the words of all pixels,
+/// and each channel points to its word of the first pixel. If `words` is null, so are the pointers.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -145,8 +146,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory holds, per pixel, the sums (24 bytes each) and counts (4 bytes) of the samples, a copy of the
-    // pixel in the layout of the file, and two float images (24 bytes).
+    // Each pixel needs memory for its sums (24 bytes each) and sample counts (4 bytes each), for a copy in
+    // the layout of the file, and for two float images (24 bytes).
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

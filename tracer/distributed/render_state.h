@@ -29,8 +29,8 @@ struct RenderState {
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
-    /// Sum of the block that is being rendered. It is added to `sums` when the block is complete. Empty if
-    /// `blocks` is more than 1 or if every block is traced in one step.
+    /// Sum of the block of samples that is being rendered. It is added to `sums` when the block is complete.
+    /// Empty if every block is traced in one step or has its own sum (`blocks` > 1).
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

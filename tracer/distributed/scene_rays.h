@@ -12,8 +12,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines` is the largest number of rays per pixel whose random samples are stratified together.
-    /// SightLine::view, the index of a ray among them, must be below `lines`. Keeps a reference to `setup`,
+    /// `lines` is the largest number of rays per pixel that share one stratified set of random samples. The
+    /// index of a ray in this set, SightLine::view, must be less than `lines`. Keeps a reference to `setup`,
     /// which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
@@ -24,9 +24,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. If a
-    /// pixel needs more patches, rays are traced instead. The value was chosen by timing images of six
-    /// scenes.
+    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. Rays
+    /// are traced where a pixel needs more patches. The value was measured on images of six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

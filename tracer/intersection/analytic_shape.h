@@ -48,8 +48,8 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Numbers of the parts of a cone. The parts of a box have the numbers 0 to 5, which is 2 * axis for the
-/// lower face and one more for the upper face.
+/// The parts of a cone: its lateral surface and its caps. The parts of a box are its faces, numbered 2 * axis
+/// for the lower face and 2 * axis + 1 for the upper face.
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>

@@ -37,7 +37,8 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Returns false only if no ray of the beam can touch a sphere before the ray ends at a surface.
+    /// Returns whether some ray of the beam may touch a sphere before it hits a surface. False is certain,
+    /// true is not.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);
@@ -45,8 +46,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the vector, m, from `point` to the nearest point of the k-th ray, in the plane perpendicular
-    /// to the beam.
+    /// Returns by how far, in m, the k-th ray misses `point`: the vector from `point` to the nearest point of
+    /// the ray, projected onto a plane perpendicular to the beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -59,8 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Reflected and refracted images of bright objects are searched for only above this radiance. As an sRGB
-/// value, it is an eighth of white.
+/// Reflected and refracted images of bright objects are searched for only if their radiance exceeds this
+/// value. White is 1. In sRGB, the value is 1/8.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -81,8 +82,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Every mirror or glass object is assumed to show two images of each bright object, because glass may
-    // both reflect and transmit its light.
+    // Assumes that every mirror or glass object shows two images of each bright object, because glass both
+    // reflects and transmits light.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -121,9 +122,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // The vector by which a ray misses the centre of the object is modelled as a linear function of the
-        // ray's position in the cell: middle + by_cell * position. Positions are in cell widths from the
-        // middle of the cell.
+        // The vector by which a ray misses the centre of the object is modelled as middle + by_cell *
+        // position. `position` is the ray's position relative to the middle of the cell, in cell widths.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -138,8 +138,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The image of the sphere is an ellipse. `half` is its shorter semi-axis in cell widths, which is the
-        // smaller singular value of radius * cell_by.
+        // The image of the sphere is an ellipse. Its shorter semi-axis `half`, in cell widths, is the smaller
+        // singular value of radius * cell_by.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -21,8 +21,8 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white. The rays at the four corners of a cell, after
-/// the same bounces, show whether the cell may contain an image of such an object.
+/// The compact objects of a scene that are brighter than white. `wanted` determines whether a quadtree cell
+/// may contain an image of such an object in a mirror or in glass.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
@@ -38,9 +38,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small the parts of a cell of width `size_px` must be, so that a corner hits every bright
-    /// image in the cell. `at` holds the reflected or refracted rays at the corners of the cell (upper left,
-    /// upper right, lower left, lower right), all after the same bounces.
+    /// Returns the cell sizes, px, at which some corner hits every bright image in a cell of width `size_px`.
+    /// `at` holds the reflected or refracted rays at the corners of the cell (upper left, upper right, lower
+    /// left, lower right), all after the same bounces.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -48,8 +48,8 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a binary tree over spheres_, in depth-first order. Each node is a bounding sphere of the
-    /// spheres [first, last).
+    /// A node of a hierarchy of bounding spheres, stored in depth-first order. It bounds the objects [first,
+    /// last) of `spheres_`.
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

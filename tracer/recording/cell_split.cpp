@@ -39,8 +39,7 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    // Only cells that cannot be divided further are tested for outlines. A larger cell that an outline
-    // crosses is always divided, so it is not a leaf.
+    // An outline divides every cell above the smallest size, so only the smallest cells need this test.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -143,8 +142,8 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
     for (int channel = 0; channel < 3; ++channel) {
-        // The radiance of each sample is modelled as plus + times * texel, where texel is the texture colour
-        // at the sample.
+        // The radiance of each sample is modelled as plus + times * texel, where `texel` is the colour of the
+        // texture at the sample.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -18,7 +18,7 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// `samples` are the point samples at the corners of cells, and `chunks` hold their records. Keeps
+    /// `samples` are the point samples at cell corners, and `chunks` hold the records of these samples. Keeps
     /// references to all arguments. The contents of `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
@@ -31,26 +31,25 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns whether the sample at the centre of the cell differs from the samples at its corners, so that
-    /// the cell is divided. `centre` is the index of the sample at the centre. Hidden surfaces are not
-    /// compared.
+    /// Returns whether the sample at the centre of the cell differs from those at its corners. If so, the
+    /// cell must be divided. `centre` is the index of the central sample. Compares only visible surfaces.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// A record and its RecordMark. `record` is the index of the record in its chunk.
+    /// The RecordMark to set on a record. `record` is the index of the record in its chunk.
     struct Mark {
         std::uint32_t chunk = 0, record = 0;
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for the records at the corners of an undivided cell. `fine_texture` means that the
-    /// texture has contrast between the corners. `gap` means that the corners show several parts of one
-    /// object, or that the outline of another part crosses the cell. A mark is set only if the cell is too
-    /// small to be divided for the same reason.
+    /// Appends marks for the records at the corners of an undivided cell. The mark `fine_texture` means that
+    /// the texture has contrast between the corners. The mark `gap` means that the corners show several parts
+    /// of one object, or that the outline of another part crosses the cell. Only cells that are too small to
+    /// be divided for the same reason are marked.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// Summary of one layer of a sample, by which cells are compared. A layer is the shading tree of the
-    /// visible surface or of a hidden one. `id` and `part` are those of its root, and `rgb` is the radiance
-    /// of the whole tree. Its records are [first, first + count) of `chunk`, sorted by path.
+    /// A layer of a sample: the shading tree of its visible surface or of a hidden surface behind it. `id`
+    /// and `part` are those of the root, and `rgb` is the radiance of the whole tree. The nodes are the
+    /// records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -62,10 +61,10 @@ class CellSplit {
     using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
     /// True if the contrast between two radiances is high enough to divide a cell [mitchell1987]. The term
-    /// 0.05 in its formula prevents small differences of dark colours from dividing the cell.
+    /// 0.05 in the contrast formula keeps small differences between dark colours from dividing it.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if a cell contains an edge although its corners have similar colours. This is the case if the
-    /// texture has contrast between the corners, or if the corners are shadowed from different lights.
+    /// True if a cell contains an edge although its corners have similar colours: the texture has contrast
+    /// between the corners, or different lights are shadowed at them.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
@@ -74,8 +73,8 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns one node per sample: the n-th node of the first sample, and the node on the same object and
-    /// after the same bounces in every other sample. Empty if a sample has no such node.
+    /// Returns the n-th node of the first sample and, for every other sample, the node on the same object
+    /// after the same bounces. Empty if a sample has no such node.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the node with the given path in a layer. The node with index `guess` is tested first, because
     /// most corners of a cell have the same shading tree.
@@ -85,8 +84,8 @@ class CellSplit {
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// True if the texture varies so much between the samples that the radiance of the node has contrast. The
-    /// radiance is estimated from the texture colours in the box around the samples' texture positions.
+    /// True if the texture changes so much between the samples that the radiance of the node has contrast.
+    /// The texture is examined in the bounding box of the samples' texture positions.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
@@ -95,20 +94,20 @@ class CellSplit {
     /// record of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// True if the cell may contain a narrow object that all its corners miss. Objects behind the farthest
-    /// surface that the corners see directly are ignored, unless a hidden surface is recorded at a corner.
+    /// visible surface at the corners are ignored, unless a corner has a recorded hidden surface.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// True if all corners of the cell show one part of an object, and the outline of another part crosses
-    /// the cell in front of it.
+    /// True if all corners of the cell show the same part of an object, but the outline of another part
+    /// crosses the cell in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden surfaces at the corners divide the cell, by the same criteria as the visible ones.
-    /// Hidden surfaces are compared only if they are seen after the same sequence of bounces. Corners that
-    /// have no such surface are ignored.
+    /// True if the hidden surfaces at the corners divide the cell, by the criteria for visible surfaces. Only
+    /// hidden surfaces after the same sequence of bounces are compared. Corners without such a surface are
+    /// ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the bits of the path (sequence of bounces) of the first node of the layer that begins at
-    /// record `at` of the sample. Returns `none` if there is no such record.
+    /// Returns the path (sequence of bounces), as bits, of the first node of the layer that begins at record
+    /// `at` of the sample. Returns `none` if there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

@@ -61,8 +61,8 @@ struct CornerCell {
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
 };
 
-/// Returns the radiance of a record without the part that has sampling noise. Subdivision uses the contrast
-/// of this value, because noise would divide every cell.
+/// Returns the radiance of a record without its noisy part. Subdivision compares these radiances, because the
+/// contrast of noise would divide every cell.
 [[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
     const Record& r = chunk.records[record];
     const glm::vec3 all(r.r, r.g, r.b);

@@ -17,14 +17,15 @@
 namespace postlens {
 namespace {
 
-// `band_rows` is the greatest number of pixel rows whose records are in memory at once. A thread traces
-// squares of `tile` x `tile` px. A band is two squares high, which is enough work for all threads.
+// A band is a group of pixel rows whose records are in memory at the same time. It has at most `band_rows`
+// rows. Each thread traces squares of `tile` x `tile` px, and two rows of squares are enough work for all
+// threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster. A record
-// therefore does not depend on the row at which the window begins.
+// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster, so
+// records do not depend on the row at which the window begins.
 int end_of_band(int y) {
     return (floor_div(y, band_rows) + 1) * band_rows;
 }
@@ -59,7 +60,7 @@ class BandSampler {
 
     // Traces batches of points in parallel and appends their samples in order. `fill(i, keys)` writes the
     // `sizes[i]` points of batch i. `traced(index, sample)` is called for every new sample. `around(key)`
-    // returns earlier samples near a point. All three functions may be called from any thread.
+    // returns earlier samples near a point. All three functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
@@ -173,7 +174,7 @@ class BandSampler {
         });
     }
 
-    // Makes a sample that was traced with the band of rows above available in this band: in corners_ if it is
+    // Makes sample i, which was traced with the previous band, available in this band: in corners_ if it lies
     // at a pixel corner, otherwise in carried_over_.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
@@ -214,10 +215,10 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. A small object or a narrow shadow may lie between all corners of a
-    // pixel, most often near an edge. If a pixel has a divided neighbour in its row, its centre is therefore
-    // compared with its corners too. If the centre divides the pixel, its own neighbours are compared as
-    // well, so that a narrow shadow is followed along the row.
+    // Returns the pixels that are divided. A small object or a narrow shadow may lie between the corners of a
+    // pixel, most often near an edge. A pixel beside a divided pixel of its row is therefore also divided if
+    // its centre differs from its corners. This test continues along the row, so that it follows a narrow
+    // shadow.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -255,8 +256,8 @@ class BandSampler {
         return cells;
     }
 
-    // Adds to `divided` the cells whose centre differs from their corners. The samples of the centres are not
-    // kept.
+    // Adds to `divided` the cells whose centre differs from their corners. The samples at the centres are
+    // then discarded.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -283,8 +284,8 @@ class BandSampler {
     // Traces the centre and the midpoints of the sides of every cell. A midpoint that neighbouring cells or
     // neighbouring bands of rows share is traced once.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // There is one list of points per row of pixels. A point on the edge between two rows belongs to the
-        // lower row. The last list is for the lower edge of the band.
+        // There is one list of points per row of pixels, and one for the lower edge of the band. A point on
+        // the edge between two rows belongs to the lower row.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -364,8 +365,8 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of the band for the band of rows below. They lie at pixel corners
-    // and at midpoints of the sides of cells.
+    // Keeps the samples on the lower edge of this band, because the next band shares them. They lie at pixel
+    // corners and at midpoints of the sides of cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();

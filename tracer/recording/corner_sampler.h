@@ -13,8 +13,8 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth of subdivision at the edges of objects, at most `levels`. Deeper cells are made only
-    /// near narrow objects (SmallThings).
+    /// Greatest depth of subdivision at the edges of objects, at most `levels`. Cells near narrow objects
+    /// (SmallThings) may be deeper.
     int edge_levels = 8;
     /// A cell is divided if the contrast of a colour channel exceeds this value. The contrast is (max - min)
     /// / (max + min + 0.05) over the corners of the cell.

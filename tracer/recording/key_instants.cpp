@@ -21,12 +21,12 @@ namespace {
 
 using glm::dvec3;
 
-// Number of equal steps of the shutter interval. Rotations are measured between successive instants, the ends
-// of these steps and all keyframes. Such a rotation is assumed to be less than 180 degrees.
+// The shutter interval is divided into this many equal steps, and also at keyframes. The rotation within one
+// step is assumed to be less than 180 degrees.
 constexpr int steps = 512;
 
-// An object needs a key (recorded instant) at which it has at least this fraction of its largest size. Its
-// size changes if its keyframes scale it.
+// An object whose keyframes scale it needs a key (recorded instant) at which it has at least this fraction of
+// its largest size.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -44,8 +44,8 @@ struct View {
     }
 };
 
-// Returns `views` and also the camera's views at the keyframes `keys`, sorted by time. Keyframes outside the
-// time span of `views` are ignored.
+// Returns `views` together with the camera's views at the keyframes `keys`, sorted by time. Ignores keyframes
+// outside the time span of `views`.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -61,8 +61,8 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns the instants at which viewing directions are computed: count + 1 evenly spaced instants of the
-// shutter interval, and the keyframes of `motions` within the interval.
+// Returns the instants at which viewing directions are computed, sorted by time. These are count + 1 evenly
+// spaced instants of the shutter interval, and the keyframes of `motions` within it.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -99,8 +99,9 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether the frame may show a moving sphere with the given centre and radius before its motion. Part
-// of the sphere must be in front of the camera and inside the four planes through the edges of the frame.
+// Returns whether a moving sphere may be in the frame: part of it is in front of the camera and inside the
+// four planes through the edges of the frame. `centre` and `radius_m` describe the sphere before the motion
+// `pose`.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
@@ -174,8 +175,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale factors of the object along its own axes at each instant, as its keyframes define them. They
-        // are 0 while the object is out of view.
+        // Scale factors of the object along its own axes at each instant, given by its keyframes. They are 0
+        // while the object is out of view.
         std::vector<dvec3> sizes;
         dvec3 largest(0);
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -195,16 +196,16 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns whether a key lies within `visit`, a time span in which an object is in view, if `keys` keys
-    // (recorded instants) are evenly spaced in the shutter interval.
+    // Returns whether one of `keys` evenly spaced keys (recorded instants) lies within `visit`, a time span
+    // in which an object is in view.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Time spans that are so short that no key (recorded instant) lies within them, for any number of keys up
-    // to `most`, are ignored.
+    // Ignores time spans that are too short to contain a key (recorded instant) for any number of keys up to
+    // `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

@@ -13,10 +13,10 @@
 namespace postlens {
 
 /// Returns the greatest angle, degrees, by which the camera moves around an object while the shutter is open.
-/// The angle shows how much of the hidden side of the object turns into view. It is the total rotation of the
+/// It shows how much of the hidden side of the object turns into view. The angle is the total rotation of the
 /// direction from the object's centre to the camera, in the frame of the object. It is 0 if the camera only
-/// pans or rolls about its optical axis. Infinite planes are ignored, and so is an object while the camera is
-/// inside its bounding box.
+/// pans or rolls about its optical axis. Ignores infinite planes, and any object whose bounding box contains
+/// the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, by which the optical axis of a perspective camera turns while the shutter is
@@ -40,17 +40,17 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// moving objects whenever they are in view. A key, or the instant `recorded_s`, must lie within each time
-/// span in which an object is in view and, if its keyframes scale it, has at least half of its largest size.
-/// Time spans that no number of keys records are ignored. An object is in view if its bounding sphere reaches
-/// into the frame, even if other objects hide it.
+/// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, with which a
+/// key lies in each time span in which a moving object is in view. The instant `recorded_s` also counts as a
+/// key. An object is in view if its bounding sphere reaches into the frame, even if other objects hide it. If
+/// its keyframes scale it, it must also have at least half of its largest size. Ignores time spans that no
+/// number of keys can hit.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys that the scene needs. Four things require keys: turning objects (one key for
-/// every `degrees_per_key`), the camera's pan, objects that are in view or large only for a short time, and
-/// changing light.
+/// Returns the number of keys (recorded instants) that the scene needs. It depends on turning objects (one
+/// key for every `degrees_per_key`), on the camera's pan, on objects that are in view or large only for a
+/// short time, and on changing light.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
@@ -59,9 +59,9 @@ struct KeyCount {
 /// `sweep_degrees`. It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
-/// Returns `count` evenly spaced instants of the shutter interval, including both ends, in ascending order.
-/// An instant that equals `frame_s`, except for rounding, is omitted, because the frame's own instant is
-/// always recorded. Empty if `count` is 1.
+/// Returns `count` evenly spaced instants of the shutter interval, in ascending order, including both ends.
+/// Omits an instant that equals `frame_s` except for rounding, because the frame's own instant is recorded
+/// anyway. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

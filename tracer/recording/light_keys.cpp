@@ -18,15 +18,16 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps into which the shutter interval is divided. The light at each point is observed at the ends
-// of the steps.
+// The shutter interval is divided into this many steps. The light at each point is measured at the ends of
+// the steps.
 constexpr int light_steps = 64;
 
-// Smallest number of steps between two keys (recorded instants). With one step, there would be 65 keys, but a
-// file can have at most SampleHeader::most_keys (64).
+// Smallest number of steps between two keys (recorded instants). A value of 1 would give 65 keys, but a file
+// can have at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of rays along the longer side of the grid that finds the observed surface points.
+// A grid of eye rays finds the surface points at which light is measured. This is the number of rays along
+// its longer side.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -56,9 +57,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images made from the light at certain keys (recorded instants). The keys
-    /// are the instant `recorded_s` and one instant every `between` steps. If `between` is 0, `recorded_s` is
-    /// the only key.
+    /// Returns the predicted PSNR of images for which only certain keys (recorded instants) exist:
+    /// `recorded_s`, and one instant every `between` steps. If `between` is 0, `recorded_s` is the only key.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -116,7 +116,7 @@ class LightChange {
     }
 
     // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
-    // instants, so the points also cover surfaces that are in view for only part of the shutter interval.
+    // instants. The points therefore also cover surfaces that are in view only part of the time.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -218,8 +218,9 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // From most keys to fewest, because errors of opposite sign may cancel for one number of keys, such as
-    // two keys where the light changes abruptly in the middle.
+    // The search starts with the most keys and stops at the first number that misses the target. Still
+    // smaller numbers are not tried, because their errors may cancel by chance, for example those of two keys
+    // if the light changes abruptly in the middle.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

@@ -1,5 +1,5 @@
 // Finds the outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between the
-// corners of a quadtree cell. If an outline crosses the cell, the cell contains such a part.
+// corners of a quadtree cell. An outline that crosses the cell reveals it.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns whether the outline of another part, nearer than the part `shown`, crosses a square. (x, y) is
+    /// Returns whether the outline of another part, in front of the part `shown`, crosses a square. (x, y) is
     /// the upper left corner of the square and `size` its width, px. The square must lie within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
@@ -53,8 +53,8 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns the inverse depth, or minus the depth if the camera is orthographic. Both increase towards the
-    /// camera and are linear functions of the raster position along an edge and on a plane.
+    /// Returns the inverse depth or, for an orthographic camera, minus the depth. Both increase towards the
+    /// camera. Along an edge and on a plane, they are linear functions of the raster position.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

@@ -30,9 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns whether a surface that is seen at `at`, outside the frame, moves into the frame. The result is also
-// true if it comes within one sample spacing of the frame, because unsampled points of the surface may then
-// move in.
+// Returns whether a surface that is seen at `at`, outside the frame, moves into the frame or comes within one
+// sample spacing of it. In the second case, parts of the surface between the samples may enter the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible
@@ -59,7 +58,7 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // The samples include the border of the frame, because a surface may end close behind it.
+    // Samples on the border of the frame are included, because a surface may end just outside it.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

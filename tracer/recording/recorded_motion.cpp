@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-// Sets the bounding sphere (in m) of a box. The sphere is finite even if the box is infinite, as for a plane.
+// Stores the bounding sphere of a box in `motion`, in m. The sphere is finite even if the box is infinite, as
+// for a plane.
 void bound(const Bounds& box, ObjectMotion& motion) {
     constexpr double farthest_m = 1e9;
     const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),

@@ -18,21 +18,21 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Number of pieces into which a long object is divided along its axis. The width and depth of a piece are
-// assumed to be constant.
+// Number of pieces into which a long object is divided along its axis. The width and depth of each piece are
+// treated as constant.
 constexpr int pieces = 16;
-// Largest number of times that the piece at a tip is halved. The remaining tip is then narrow even if the
-// cone is wide.
+// Largest number of times that the piece at the tip of a cone is halved. The remaining tip is then narrow
+// even if the cone is wide.
 constexpr int most_halves = 16;
-// Width of the smallest cells, px. An object that is narrower may lie between all corners of cells.
+// Width of the smallest cells, px. A narrower object may lie between all cell corners.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
 // The ellipsoid that approximates an object. It is given by its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Relative widths at the two ends of the first axis. half[1] and half[2] are multiplied by them. They
-    // differ if the object is a cone.
+    // Factors by which half[1] and half[2] are multiplied at the two ends of the first axis. They differ only
+    // for cones.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -48,17 +48,17 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box. The axes are parallel to the columns of the rotation `turn`,
-/// along which the box covers the ranges `sides`.
+/// Returns the centre and half axes of a box. The columns of the rotation `turn` are the directions of its
+/// sides, and `sides` are its extents in these directions.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
 /// Returns the axes of a box around all points. Two boxes are tried, and the one with the smaller surface is
-/// used. The sides of the first box are parallel to the coordinate axes. The second box suits flat and long
-/// objects of any direction: one side is parallel to the line from the centre to the farthest point, and
-/// another side points from this line to the point farthest from it.
+/// used. The first is parallel to the coordinate axes. The second suits flat and long objects of any
+/// direction: its first side is parallel to the line from the centre to the farthest point, and its second
+/// side points from this line to the point farthest from it.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -166,9 +166,9 @@ struct Sight {
 };
 
 // Replaces the half axes of an ellipsoid by three conjugate half axes of the same ellipsoid. The first two
-// are projected to the half axes of its image, an ellipse, the longer one first. The third points along the
-// line of sight. Returns the longer axis of the ellipse divided by the shorter one, or 0 if the ellipsoid is
-// not visible.
+// project to the half axes of the ellipsoid's image, an ellipse, the longer one first. The third is parallel
+// to the line of sight. Returns the ratio of the longer to the shorter axis of the ellipse, or 0 if the
+// ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -203,8 +203,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece, with the ends
-/// of its axis and its half axes.
+/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece. `from` and
+/// `to` are the ends of its axis, and `half` are its half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -229,8 +229,8 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // A piece is halved while one of its ends is more than twice as wide as the other, as happens before
-        // a tip.
+        // A piece is halved while one of its ends is more than twice as wide as the other. This happens near
+        // the tip of a cone.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -334,19 +334,19 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Only compact bright objects need small cells along their outline. For an elongated object, the errors
-    // of neighbouring cells along the outline cancel.
+    // A compact bright object needs small cells along its outline, because they determine its area. For an
+    // elongated object, the errors of neighbouring cells along the outline cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. Each needs at least three cells, so this many pieces exceed
-    // most_cells_per_pixel, and keep_affordable() removes at least a third of them.
+    // Limits the memory for pieces. A piece needs at least three cells, so this many pieces exceed the limit
+    // most_cells_per_pixel. keep_affordable() then removes at least a third of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Estimates the number of cells of width find_px on and beside the piece, and of the smaller cells along
-    // its outline.
+    // Estimates the number of cells: those of width find_px on and beside the piece, and the smaller ones
+    // along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

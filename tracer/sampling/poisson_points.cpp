@@ -29,8 +29,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two cells apart, so only these cells are searched. This
-        // holds if `distance` is at most 0.586, which is true for patterns of two or more points.
+        // Points closer than `distance` are at most two cells apart. This holds if `distance` is at most
+        // 0.586, as for all patterns of two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];

@@ -29,8 +29,8 @@ struct PoissonPattern {
 /// last point.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n points on the circle [0, 1), no two of which are nearer than poisson_distance_share / n. They
-/// have exactly the distribution of random points with a minimum distance. To make them, uniform points are
+/// Returns n points on the circle [0, 1) with a distance of at least poisson_distance_share / n. They have
+/// exactly the distribution of random points with this minimum distance. To make them, uniform points are
 /// placed on a shorter circle, and the minimum distance is inserted after each point.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 

@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Distribution of the points of a set (SampleSet) within a pixel. Points of different sets are paired at
-/// random, with two exceptions. In `random`, all points are independent. In `sobol`, the sets for pixel, lens
-/// and time are also well distributed jointly.
+/// Distribution within a pixel of the points of a set (SampleSet). Points of different sets are usually
+/// paired at random. In `random`, all points are independent. In `sobol`, the sets for pixel, lens and time
+/// are also well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -24,8 +24,8 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three sets are for the position of an eye ray in the pixel,
-/// on the lens and in time, and are jointly well distributed. `sample_set` makes all other sets.
+/// Identifies an independent point set. The first three sets give the position of an eye ray in the pixel, on
+/// the lens and in time. They are jointly well distributed. `sample_set` makes all other sets.
 struct SampleSet {
     std::uint32_t id;
 };
@@ -41,9 +41,9 @@ inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 }
 
 /// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on (kind, spp, seed, pixel, set,
-/// index), so they are bit-identical for any instruction set and any order of calls. A set's one-dimensional
-/// points are independent of its two-dimensional points. All samples of a pixel must be used, because a
-/// subset may not be well distributed.
+/// index), so they are bit-identical for any instruction set and any order of calls. The one- and
+/// two-dimensional points of a set are independent of each other. All samples of a pixel must be used,
+/// because a subset may not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;

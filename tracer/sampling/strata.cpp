@@ -16,9 +16,8 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. Quotients of
-/// up to 2^24 are still exact, because 0.5 is added to the dividend, so that rounding errors cannot change
-/// the result.
+/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. Adding 0.5 to
+/// the dividend keeps rounding errors from changing the result, so quotients of up to 2^24 are exact.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -68,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // `row` is the last row whose first cell, floor(row * n / rows), is at most c. An equivalent
-        // condition is row * n < (c + 1) * rows.
+        // Finds the last row whose first cell, floor(row * n / rows), is at most c. This is equivalent to row
+        // * n < (c + 1) * rows.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

@@ -22,8 +22,8 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i or,
-    /// if `permuted` is true, in cell p(i), where p is the random permutation that `key` selects. Samples
+    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i. If
+    /// `permuted` is true, it is in cell p(i) instead, where `key` selects the random permutation p. Samples
     /// with an index of n or more are in the cell of sample n - 1. Points and the edges of cells are
     /// multiples of 2^-24, so rounding never moves a point out of its cell.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;

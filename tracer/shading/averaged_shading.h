@@ -1,5 +1,5 @@
-// Counts the materials and lights whose radiance depends on the direction. A trace records only the mean of
-// this radiance.
+// Counts the materials that reflect or refract into a lobe, and the lights that have an area. A trace records
+// only the mean of their radiance.
 #pragma once
 
 #include <cstdint>

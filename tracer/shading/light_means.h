@@ -1,5 +1,5 @@
-// Computes the radiance that a surface point reflects from an area light, averaged over the light. A record
-// can store this mean, because a penumbra looks the same from every lens point.
+// Computes the radiance that a surface point reflects from an area light, averaged over the area of the
+// light. A record can store this mean, because a penumbra looks the same from every lens point.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Estimate of the radiance without noise, used to decide whether cells are subdivided. It is the
-    /// unshadowed radiance times 1 if the light source is completely visible, 0 if it is hidden, and 1/2
-    /// otherwise.
+    /// Estimate of the radiance without noise. It decides whether cells are subdivided. It is the unshadowed
+    /// radiance if the light source is completely visible, 0 if it is hidden, and half the unshadowed
+    /// radiance otherwise.
     glm::dvec3 steady{0};
 };
 

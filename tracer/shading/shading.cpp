@@ -160,8 +160,8 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation uses the angle on the side with the smaller index of refraction. If the ray
-        // leaves a dense medium, this is the angle of the refracted ray. A material that does not transmit is
+        // Schlick's approximation uses the angle in the medium with the smaller index of refraction. For a
+        // ray that leaves the denser medium, this is the angle of the refracted ray. An opaque material is
         // only seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);

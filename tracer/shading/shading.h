@@ -21,7 +21,7 @@ struct Facing {
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns the radiance of a surface that does not depend on light sources: the ambient term and the
+/// Returns the part of a surface's radiance that does not depend on light sources: the ambient term and the
 /// emission.
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
@@ -35,7 +35,7 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Returns the light as moved by `motion`, the transform that its keyframes define at an instant.
+/// Returns the light after the transform `motion`, which its keyframes define for one instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
 /// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres
@@ -52,8 +52,8 @@ struct Lit {
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the contribution of a light to the radiance of a surface, without occlusion. `at` is the sample
-/// point on the light (light_point). `direction` is the direction of the ray that sees the surface.
+/// Returns the radiance that a surface reflects or transmits from a light, without occlusion. `at` is the
+/// sample point on the light (light_point). `direction` is the direction of the ray that sees the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
@@ -80,8 +80,8 @@ struct Continuation {
                                              const glm::dvec3& direction);
 
 /// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface. The width of
-/// a lobe is 1 / sqrt(exponent), rad. `distance_m` is the distance to the lens along the path. False for an
-/// infinite exponent.
+/// the lobe is 1 / sqrt(exponent), rad, and `distance_m` is the distance to the lens along the path. False
+/// for an infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the record of `layer` with the given path (sequence of bounces). If there is none, returns that of
-/// layer 0, because the layer of a hidden surface does not repeat the mirrors and glass in front of it. Null
-/// if neither exists.
+/// Returns the record of `layer` with the given path (sequence of bounces), or else that of layer 0, or else
+/// null. Layer 0 is needed, because the layer of a hidden surface does not repeat the mirrors and glass in
+/// front of it.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -29,8 +29,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the records of one sample whose rays bounced like those of a given node: in the same sequence
-/// and at the same objects.
+/// Summary of those records of one sample that have the same bounces as a given node: the same sequence, at
+/// the same objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -1,6 +1,6 @@
-// Estimates `w_bend` of a node from the values at samples around it, which saves the rays that would measure
-// it. `w_bend` is the second-order motion of the node's image when the lens point moves. The matrix W
-// describes the first order.
+// Estimates a node's `w_bend` from the values at samples around it. This saves the rays that would measure
+// it. When the lens point moves, the matrix W describes the first-order motion of the node's image, and
+// `w_bend` the second order.
 #pragma once
 
 #include <array>

@@ -23,14 +23,14 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the LimitedNode (a node with clamped radiance) to which the light is added. If it is
-    /// `no_node`, the light is added to the eye ray.
+    /// Index of the LimitedNode (node with clamped radiance) to which the light is added. If `no_node`, the
+    /// light is added directly to the radiance of the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped, because the light above the clamp is drawn separately, as highlights
-/// (LightElsewhere). The light of the node is summed first, and then the sum is clamped.
+/// A node whose radiance is clamped. The light above the clamp is left to the highlights, which are drawn
+/// separately (LightElsewhere). All light of the node is summed before clamping.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
@@ -38,7 +38,7 @@ struct LimitedNode {
 };
 
 /// Clamps the radiance of a node to `eye.less->above` and adds the result to the radiance of its ray. If
-/// `counts` is true, the rest is added to EyeRays::left_out.
+/// `counts` is true, adds the amount above the clamp to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;

@@ -30,12 +30,12 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factor by which the caller multiplies the radiance of each ray. If empty, all factors are 1. Reflected
-    /// and refracted rays are not traced if their contribution times this factor is below `min_contribution`.
+    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. A reflected or
+    /// refracted ray is not traced if its contribution times this factor is below `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed
-    /// only if `less` is set, because what it excludes depends on this position.
+    /// only with `less`, because this position determines what `less` excludes.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
@@ -52,8 +52,8 @@ class DistributedTracer {
     /// order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// True if eye rays are passed to Embree as coherent rays. With a pinhole, this doubles the speed. With
-    /// moving geometry, it almost halves the speed (docs/performance.md).
+    /// True if eye rays are passed to Embree as coherent rays. This doubles the speed with a pinhole, but
+    /// almost halves it with moving geometry (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// True if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
@@ -61,7 +61,7 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
-    // How much work is needed to shade a hit on an object, in ascending order.
+    // What must be computed to shade a hit on an object, in order of increasing work.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -77,8 +77,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance above the clamp at a node is added to EyeRays::left_out. This is so if
-    /// the entry of EyeRays::left_out_of for this ray is the node.
+    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out. This
+    /// is so if the ray's entry in EyeRays::left_out_of is this node.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

@@ -26,9 +26,8 @@ class FilmMotion {
     /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of the background that a ray in `direction` sees if it
-    /// hits nothing. The background is infinitely far away. For an orthographic camera, the result is `at`,
-    /// the raster position of the ray.
+    /// Returns the raster position, px, at instant i, of the infinitely distant background that a ray in
+    /// `direction` sees. For an orthographic camera, the result is `at`, the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -56,8 +55,8 @@ class FilmMotion {
 
 /// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
 /// nine evenly spaced instants, including both ends of the interval, the instants in `recorded_s`, and the
-/// keyframes of objects and camera within the interval. If there are more than 32 keyframes, 32 of them are
-/// used, in a sequence that has no period.
+/// keyframes of objects and camera within the interval. At most 32 keyframes are used. If there are more, 32
+/// of them are chosen in a sequence that has no period.
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 

@@ -13,8 +13,8 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Displacement on the film, px, up to which motion is assumed to reveal nothing. Such a small displacement is
-// not visible, because a pixel is the mean of at least four samples at its corners.
+// Displacements on the film up to this value, px, are assumed to reveal nothing. They are not visible,
+// because a pixel is the mean of at least four samples at its corners.
 constexpr double same_place_px = 0.25;
 
 // Largest number of surfaces that one ray enters or leaves. It limits the time for rays through foliage.
@@ -25,7 +25,7 @@ bool is_flat(const Shape& shape) {
            std::holds_alternative<Plane>(shape);
 }
 
-// The state of a ray that passes through the surfaces that it hits.
+// The state of a ray that is followed through all surfaces on its line.
 struct Chain {
     std::uint32_t ray = 0;
     HitKey key;           // last hit
@@ -62,9 +62,9 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further. It lies just before the last hit, so
-    // that another surface at the same position is found too (such as a floor under a box). If all of these
-    // have been found (`beyond`), it lies just behind the hit.
+    // Returns the distance, m, from which the ray is traced further. It lies just before the last hit,
+    // because another surface may have the same position, such as a floor under a box. Once all surfaces
+    // there have been found (`beyond`), it lies just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -150,8 +150,8 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // True if some lens point may see surface `s` behind all surfaces that the ray has passed. Adds the
-    // inverse depth of `s` to the chain.
+    // True if some lens point may see surface `s` past the surfaces in front of it. Also adds the inverse
+    // depth of `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -163,9 +163,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass, and the
-        // lens sees more of them past an edge. A mirror or glass is therefore included if the lens could see
-        // a surface at any depth on the ray.
+        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass itself,
+        // so the lens sees more of them past an edge. A mirror or glass is therefore kept if the lens may see
+        // any depth on this ray.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

@@ -28,8 +28,8 @@ struct HiddenLayers {
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
-    /// reveal a surface if, for each surface in front of it, there is an instant at which the two are more
-    /// than a quarter of a pixel apart on the raster.
+    /// reveal a surface if it separates from each surface in front of it: at some instant, the two must be
+    /// more than a quarter of a pixel apart on the raster.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. Surfaces behind reflections and refractions are included.
@@ -51,8 +51,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, that points on the ray approach with increasing distance (see
-    /// LensReach). It is 0 for an eye ray, but not for a ray that a curved mirror reflects.
+    /// Returns the inverse depth, 1/m, in the limit of an infinite distance along the ray (see LensReach). It
+    /// is 0 for an eye ray, but not for a ray that a curved mirror reflects.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
@@ -65,8 +65,8 @@ struct HiddenHit {
 };
 
 /// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer. Every hit counts as a
-/// surface, except where the ray leaves a solid part that it has entered. If the background behind the last
-/// surface may be visible too, an entry with the key `none` is added. Adds the number of traced rays to
+/// surface, except the exit from a solid part that the ray has entered. If the background behind the last
+/// surface may be visible too, it is added with the key `none`. Adds the number of traced rays to
 /// `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns the square of the pyramid in which the last search of this thread ended. Successive samples are
-/// close together, so the next search often succeeds in the same square.
+/// Returns the square of the pyramid in which this thread's last search ended. The next search is usually
+/// close by and often ends in the same square.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -118,11 +118,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // The covers are the surfaces in front of the hidden surface. When the lens point moves from the centre
-    // to the outline of the lens, their images shift relative to it. The lens sees past an edge of the covers
-    // that is nearer to the ray than this shift. The first test rejects most rays with an upper bound of the
-    // shift. The last test uses the shift of a surface that lies in front of the covers and may hide their
-    // edge.
+    // The covers are the surfaces in front of the hidden surface. Over the lens, their images shift relative
+    // to it. The lens sees past an edge of the covers if the edge is nearer to the ray than this shift. The
+    // first test uses an upper bound of the shift and rejects most rays. The last test uses the shift of a
+    // nearer surface beside the covers, which may hide their edge.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

@@ -28,17 +28,17 @@ namespace postlens {
 /// with the lens point. For a surface that is seen directly, this is the reciprocal of its depth.
 class LensReach {
   public:
-    /// Two surfaces are treated as one if their images shift by less than this value, px, relative to each
-    /// other over the lens. Beside an edge, the lens then sees less than a quarter of a pixel of the farther
-    /// surface.
+    /// Two surfaces are treated as one if, over the lens, their images shift by less than this value, px,
+    /// relative to each other. Beside an edge, the lens then sees less than a quarter of a pixel of the
+    /// farther surface.
     static constexpr double same_place_px = 0.25;
-    /// Margin, px, that is added to the width of the strip of a hidden surface that the lens sees. There are
-    /// two reasons: the position of an edge is known only up to the diagonal of a pixel, and the recorded
-    /// strip must include the corners of all pixels that show it.
+    /// Margin, px, around the strip of a hidden surface that the lens sees. It is needed because the position
+    /// of an edge is known only up to the diagonal of a pixel, and because the recorded strip must include
+    /// the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the shift of its image over the lens differs by at least this value
-    /// between neighbouring pixels, px/px. Within a plane, it differs this much only if the plane is seen
-    /// very obliquely, and then no lens point sees behind the plane.
+    /// A surface has an edge where the shift of its image over the lens changes by at least this value from
+    /// one pixel to the next, px/px. Within a plane, it changes this much only if the plane is seen so
+    /// obliquely that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -46,8 +46,7 @@ class LensReach {
 
     /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
     /// Edges outside this window are not found. Requires `aperture_radius_m` > 0 and a perspective camera.
-    /// `max_depth` must be that of the trace that uses the result. The result does not depend on the number
-    /// of threads.
+    /// `max_depth` must equal that of the trace. The result does not depend on the number of threads.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               int x_begin, int x_end, int y_begin, int y_end);
 
@@ -58,8 +57,8 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, that points on the ray approach with increasing distance. It is 0 for an eye
-        /// ray, but not for a ray that a curved mirror reflects.
+        /// Inverse depth, 1/m, in the limit of an infinite distance along the ray. It is 0 for an eye ray,
+        /// but not for a ray that a curved mirror reflects.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray. `behind` is
@@ -72,8 +71,8 @@ class LensReach {
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth of a node, 1/m, as the mean over the two raster axes. It is half the trace
-    /// of the matrix W, which describes how the node's image moves with the lens point.
+    /// Returns the inverse depth of a node, 1/m, as a mean over the two raster axes. It is half the trace of
+    /// W, the matrix that describes how the node's image moves with the lens point.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -91,9 +90,9 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Factor that converts a difference of inverse depths, 1/m, to px: to the shift of two surfaces' images
-    /// relative to each other when the lens point moves from the centre to the outline of the lens. It is the
-    /// lens radius, m, divided by the camera's tangent per pixel.
+    /// Factor that converts the difference of two surfaces' inverse depths, 1/m, to the shift of their images
+    /// relative to each other, px, when the lens point moves from the centre of the lens to its outline. It
+    /// is the lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

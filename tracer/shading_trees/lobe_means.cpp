@@ -18,12 +18,12 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Limit of the weight of a ray that was sampled from the lobe of another hit. Where the density of that lobe
-// is small, the weight would otherwise be high and cause high variance.
+// Largest weight of a ray that was sampled from another hit's lobe. Where the density of that lobe is small,
+// the weight would otherwise be high and cause high variance.
 constexpr double most_weight = 8;
 
-// True if each of two hits may use the rays that were sampled from the other's lobe. The axes of the lobes
-// must differ by less than the width of the wider lobe.
+// True if two hits may share the rays that were sampled from their lobes. The axes of the lobes must differ
+// by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
@@ -119,7 +119,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
 }
 
 // Traces the rays from index `first` on, which may belong to several groups. They must be sorted by
-// LobeHit::nodes_left of their hits. Rays with the same value are traced together.
+// LobeHit::nodes_left of their hits, because rays with the same value are traced together.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -1,6 +1,6 @@
 // Computes the mean radiance over wide lobes of reflection and transmission. The samples of a batch share the
-// rays that are traced for these means. A mean is almost the same from every lens point, so it is added to
-// the record of the surface and needs no record of its own.
+// rays for these means. A mean is almost the same from every lens point. It is therefore added to the record
+// of the surface and needs no record of its own.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of this node times throughput, without the means over its lobes. The brighter the node, the
-    /// less visible is noise, and the fewer rays are traced for the mean. Other nodes of the sample are left
-    /// out, so more rays than needed may be traced.
+    /// Radiance of this node times throughput, without the means over its lobes. Noise in a mean is less
+    /// visible on a brighter node, so fewer rays are traced there. Other nodes of the sample are ignored, so
+    /// more rays than needed may be traced.
     glm::dvec3 beside{0};
 };
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square.
+/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size` x `size`
+/// positions.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -78,11 +79,11 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 }
 
 // Searches the values within `radius` of `at`, depth-first. `visit(range, square, distance2)` decides whether
-// to descend into a square, to skip it or to end the search. `distance2()` is the squared distance from `at`
-// to the nearest integer position in the square. A square of level 0 is a single value.
+// to descend into a square, to skip it or to end the search. `distance2()` returns the squared distance from
+// `at` to the nearest integer position in the square. A square of level 0 is a single value.
 //
-// `promise(range)` rates a square by its range of values. Of the four parts of a square, the part with the
-// highest rating is searched first. When it is a part's turn, it is skipped if `keeps(promise)` is false.
+// `promise(range)` rates a square by its range of values. Of the four parts of a square, the one with the
+// highest rating is searched first. Each part is skipped if `keeps(promise)` is false when its turn comes.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {

@@ -1,5 +1,5 @@
-// A raster of values, with a fast search for a value below a limit near a position. The limit decreases with
-// the distance from this position, so the searched region is a cone.
+// A raster of values, with a fast search near a position for a value below a limit. The limit decreases with
+// the distance from the position, so the searched region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ class MinMaxPyramid {
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A cone around the position `at`. A value v at a distance d from `at` is in the cone if d <= radius,
-    /// top - v >= least, and top - v >= slope * d.
+    /// The search region around the position `at`. It contains a value v at a distance d from `at` if d <=
+    /// radius, top - v >= least, and top - v >= slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -36,8 +36,8 @@ class MinMaxPyramid {
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns an approximate maximum of the values near `at`, or `floor` if all of them are below `floor`.
-    /// All values within `radius` are included. Values within 9/8 of the radius may be included.
+    /// Returns an approximate maximum of the values near `at`, but at least `floor`. All values within
+    /// `radius` are included. Values within 9/8 of the radius may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;

@@ -1,6 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: how a ray changes with its direction at the
-// pinhole and with its lens point. From them, the matrix W of a node is computed. W describes how the image
-// of the node moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to its
+// direction at the pinhole and its lens point. They give the matrix W of a node, which describes how the
+// node's image moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 
 /// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes. X is the point that the ray hits, p
 /// the tangent of the eye ray, and q the lens point. Where neighbouring eye rays converge in one point, dX/dp
-/// has no inverse, and the entries of W are huge but finite.
+/// has no inverse. The entries of W are then huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
 /// Returns the matrix W of a ray that hits nothing. Such a ray has no end point X, so W is computed from the

@@ -16,21 +16,21 @@ using glm::dvec3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Largest number of Newton steps in the search for the ray from a lens point to a node. All steps use the
-// derivatives at the pinhole, so each step reduces the distance to the solution only about tenfold. If the
-// search has not converged, the estimated remaining distance is added to the result.
+// derivatives at the pinhole, so each step reduces the error only about tenfold. If the search has not
+// converged, its estimated error is added to the result.
 constexpr int most_steps = 5;
-// The search for a ray has converged if its last step is at most `settled_px`, or if the estimated distance
-// to the solution is at most `settled_share` of the result, the difference between the ray and its
+// The search for a ray has converged in two cases. Either its last step is at most `settled_px`, or its
+// estimated error is at most `settled_share` of the result, which is the difference between the ray and its
 // first-order prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed distance to the solution after the first Newton step, as a fraction of the length of that step.
-// After later steps, the distance is estimated from the ratio of the last two steps.
+// Assumed error after the first Newton step, as a fraction of the length of this step. After later steps, the
+// error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays are traced from two pairs of opposite lens points. If the rays from one point of each pair differ from
-// their first-order prediction by at most this fraction of settled_px, the opposite points are skipped.
+// Rays are first traced from two lens points at right angles. If both differ from their first-order
+// prediction by at most this fraction of settled_px, the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 
-// Largest number of surfaces that a ray passes through on the way to a node that lies behind them.
+// Largest number of surfaces that a ray may pass through to reach a node behind them.
 constexpr int most_passed = 16;
 
 // A ray from a lens point. Its direction is adjusted until the ray reaches a given node (hit of a shading
@@ -170,11 +170,11 @@ struct Search {
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;  ///< one of its rays is lost
-    /// Per node, the greatest difference between the tangent of a ray and its first-order prediction, over
-    /// the rays that have converged.
+    /// Per node, the greatest departure of its converged rays. The departure of a ray is the difference
+    /// between its tangent and its first-order prediction.
     std::vector<double> greatest;
-    /// Per node, a lower bound of the greatest difference between the tangent of a ray and its first-order
-    /// prediction, over all rays.
+    /// Per node, a lower bound of the greatest departure (difference between the tangent of a ray and its
+    /// first-order prediction) of all its rays.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -196,8 +196,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the difference between the tangent of the ray that was found and its first-order prediction.
-    /// Infinite if no ray was found. Must not be called if `hidden` is set.
+    /// Returns the departure of a ray, the difference between its tangent and its first-order prediction.
+    /// Infinite if the search found no ray. Must not be called if `hidden` is set.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -235,8 +235,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the greatest difference from the prediction counts. The search for a ray therefore ends if
-            // another ray to the same node is known to have a greater difference.
+            // Only the greatest departure from the first-order prediction counts. The search for a ray
+            // therefore ends if another ray to the same node is known to depart more.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -262,9 +262,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The differences from the first-order prediction are of second order, and therefore almost equal on
-    // opposite sides of the lens. If they are small for two rays at right angles, the two opposite rays need
-    // not be traced. This is so for most nodes.
+    // The departures from the first-order prediction are of second order, so they are almost equal on
+    // opposite sides of the lens. If they are small for two rays at right angles, as for most nodes, the two
+    // opposite rays are not traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;

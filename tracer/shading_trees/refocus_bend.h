@@ -1,6 +1,6 @@
-// Measures how exactly the matrix W predicts the image of a node behind mirrors and glass. If the lens point
-// moves by q, the image moves by -W q to first order. The second-order difference from the true motion is
-// measured with rays from the outline of a lens.
+// Measures the error of the matrix W for the image of a node behind mirrors and glass. If the lens point
+// moves by q, the image moves by -W q to first order. Rays from the outline of a lens measure the difference
+// from the true motion, which is of second order.
 #pragma once
 
 #include <array>

@@ -25,9 +25,9 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. If the lobe of a surface is wider than this lens, as seen from the surface
-    /// (lobe_is_wide), the mean radiance over the lobe is recorded. Otherwise only the radiance from the
-    /// exact direction of reflection or refraction is recorded. If 0, all lobes are averaged.
+    /// Lens radius, m. For a lobe that is wider than this lens, as seen from the surface (lobe_is_wide), the
+    /// mean radiance is recorded. For any other lobe, only the exact direction of reflection or refraction is
+    /// recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
@@ -50,8 +50,8 @@ struct RayCounts {
     }
 };
 
-/// The ray that arrives at a node after at least one bounce. Cells are subdivided where such rays may pass a
-/// small bright object.
+/// The ray that arrives at a node after at least one bounce. A cell is subdivided if a small bright object
+/// may lie between the rays at its corners.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -59,8 +59,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture, the shadows and the part of the object at the surface point of a record. If these differ
-/// between the corners of a cell, the cell is subdivided even if the colours are equal.
+/// The texture, the shadows and the part of the object at the surface point of a record. If one of them
+/// differs between the corners of a cell, the cell is subdivided even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -73,9 +73,9 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of its radiance (r, g, b) that has sampling noise. It contains the means
-    /// over lobes. In the penumbra of an area light, it also contains the light's contribution minus the
-    /// noise-free estimate ExtentLit::steady. Empty if no record has noise.
+    /// For each record, the part of its radiance (r, g, b) that has sampling noise: the means over lobes and,
+    /// in the penumbra of an area light, the light's contribution minus the noise-free estimate
+    /// ExtentLit::steady. Empty if no record has noise.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor
     /// lights.
@@ -101,12 +101,12 @@ class WhittedTracer {
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
     /// close together. Thread-safe.
     ///
-    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. From them, bend_around
-    /// estimates `w_bend` of a node, the second-order motion of its image when the lens point moves. `w_bend`
-    /// is measured only where there is no estimate.
+    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. They are used to
+    /// estimate `w_bend` of a node (bend_around), the second-order motion of its image when the lens point
+    /// moves. Where there is no estimate, `w_bend` is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// `w_bend` of a node counts as small if the second-order motion that it describes displaces the node's
+    /// `w_bend`, the second-order motion of a node's image over the lens, counts as small if it displaces the
     /// image by less than this value, px, for every lens point.
     static constexpr double little_bend_px = 0.125;
 

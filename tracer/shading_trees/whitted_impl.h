@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the generation that is traced now (all rays with the same number of bounces). `origin` lies
-    // exactly on the surface. In Embree's packet, the origin is moved slightly off the surface.
+    // A ray of the current generation (all rays with the same number of bounces). `origin` lies exactly on
+    // the surface. The copy in Embree's packet is moved slightly off the surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
@@ -50,8 +50,8 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The node to which the mean over a lobe is added, the factor `share` by which the mean is multiplied,
-    // and the node's throughput.
+    // The node to which the mean over a lobe is added, with its throughput. `share` is the factor by which
+    // the mean is multiplied.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
@@ -83,8 +83,7 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, together with
-        // their rays.
+        // Reflected and refracted rays behind whose hits a lens may see hidden surfaces, and these hits.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
@@ -125,11 +124,11 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Exits from
-    // a glass object are not stored, because the transmitted ray finds the surfaces behind them.
+    // a glass object are not stored, because the transmitted ray finds the surfaces behind them anyway.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces hidden surfaces that are seen in mirrors or through glass. Each begins a separate layer of
-    // records, in which the mirror or glass is not repeated.
+    // Traces the hidden surfaces that are seen in mirrors or through glass. Each of them starts its own layer
+    // of records, which does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
     // of it.
@@ -154,12 +153,12 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node for the later measurement of `w_bend`, unless its matrix W is exact. `s` is null if the
-    // ray hit nothing.
+    // Stores a node for the later measurement of `w_bend`, the second-order error of its matrix W, unless W
+    // is exact. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
     // Estimates `w_bend`, the second-order motion of a node's image over the lens, from earlier samples
-    // nearby, where possible. The nodes that must be measured remain in w.bent.
+    // nearby. Nodes without an estimate remain in w.bent, to be measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the nodes to records. Nodes are ordered by their number of bounces, but records are ordered by
     // sample, layer and path.
