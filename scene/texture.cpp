@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-// Inlined so that floor, round and fma become instructions instead of function calls in multiversioned
-// callers.
+// Inlined, so that callers that are compiled for several instruction sets use instructions instead of
+// function calls for floor, round and fma.
 [[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
     if (std::isinf(size)) return 0;
     const double d = c - offset;

@@ -122,8 +122,7 @@ class Renderer {
         return done;
     }
 
-    // Traces one round of samples for those tiles in [begin, end) that have not finished it. `round` is the
-    // number of the round.
+    // Traces round `round` of the samples for those tiles in [begin, end) that have not finished it.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {

@@ -26,7 +26,7 @@ struct TraceSettings {
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     /// Number of levels that suffices for methods that also trace rays into the scene where the records are
-    /// too coarse. docs/planner.md compares the times of other numbers.
+    /// too coarse. docs/planner.md compares the times of other values.
     static constexpr int ray_levels = 1;
     /// Angle, degrees, by which an object may turn relative to the camera between two recorded instants. Used
     /// if `keys` is absent. A turning ball shows a strip of its surface that neither instant records. At 15

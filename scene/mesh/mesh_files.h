@@ -29,7 +29,7 @@ class MeshFiles : public Assimp::IOSystem {
     void Close(Assimp::IOStream* stream) override;
 
     [[nodiscard]] const std::vector<ReferredFile>& opened() const { return opened_; }
-    /// Returns the options of the texture images in the MTL files (such as -s and -o of map_Kd), by name of
+    /// Returns the options (such as -s and -o of map_Kd) of the texture images in the MTL files, by name of
     /// the material.
     [[nodiscard]] const std::map<std::string, MaterialPictures>& pictures() const { return pictures_; }
     [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-// A loop over this function takes a third of the time of `find_first_of`, which matters for files with
-// millions of lines.
+// A loop over this function is three times as fast as `find_first_of`, which matters for files with millions
+// of lines.
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
@@ -38,8 +38,7 @@ std::string_view first_word(std::string_view text) {
     return {text.begin(), std::find_if(text.begin(), text.end(), is_blank)};
 }
 
-// Testing characters with this function is three times as fast as `find_first_of`, which matters for files
-// with millions of lines.
+// Removes a comment after numbers. Keeps "1.#INF", by which some programs write numbers that are not finite.
 std::string_view without_comment(std::string_view line) {
     std::size_t at = line.find('#');
     while (at != std::string_view::npos && at > 0 && !is_blank(line[at - 1])) at = line.find('#', at + 1);

@@ -166,7 +166,7 @@ class PlyReader {
     }
 
     // Reads one instance of an element, such as one vertex or one face. Stores its scalars by index of the
-    // property, and those of its lists that are in `kept_lists_`.
+    // property, and only those of its lists that `kept_lists_` contains.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {

@@ -64,9 +64,9 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Follows a ray from the lens point `unit`, in lens radii, for `t` metres. The ray is the one that the
-    /// lens maps to the raster position (x, y). Returns the raster position, px, at which the pinhole sees
-    /// its end. Not for cameras with a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray through the lens. The ray
+    /// starts at the lens point `unit`, in lens radii, and contributes to the raster position (x, y). `t` is
+    /// the distance of the point along the ray, m. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth of the point `world`, 1/m, and its two derivatives along the raster's axes,

@@ -87,8 +87,8 @@ void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     for (std::size_t first = 0; first < lines.size(); first += group_size) {
         const std::size_t count = std::min(group_size, lines.size() - first);
         for (std::size_t i = 0; i < group_size; ++i) {
-            // If fewer than 16 sight lines remain, copies of the last one fill the group. The rays of the
-            // copies are then removed from the batch.
+            // If fewer than 16 rays remain, copies of the last one fill the group. The copies are then
+            // removed from the batch.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

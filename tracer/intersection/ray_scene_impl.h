@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-// A mesh as it is passed to Embree. `surface` computes hits from this copy.
+// A mesh as it is passed to Embree. RayScene::surface computes hits from this copy.
 struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
     std::vector<glm::vec3> positions;  // in world space if `baked`, else in object space

@@ -37,8 +37,8 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Returns whether some ray of the beam may touch a sphere before it hits a surface. False is certain,
-    /// true is not.
+    /// Returns whether some ray of the beam may touch a sphere before it hits a surface. If the result is
+    /// false, no ray of the beam does.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);

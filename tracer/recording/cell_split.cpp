@@ -39,7 +39,8 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    // An outline divides every cell above the smallest size, so only the smallest cells need this test.
+    // An outline would have divided any cell above the smallest size, so only the smallest cells need this
+    // test.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)

@@ -35,7 +35,7 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
         // The last row of samples lies on the lower edge of the stripe. The pixels below it are not
-        // subdivided, so its bytes are not counted.
+        // subdivided, so the bytes of this row are not counted.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {

@@ -218,9 +218,9 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // The search starts with the most keys and stops at the first number that misses the target. Still
-    // smaller numbers are not tried, because their errors may cancel by chance, for example those of two keys
-    // if the light changes abruptly in the middle.
+    // The search starts with the most keys and stops at the first number that misses the target. Smaller
+    // numbers are not tried, because their errors may cancel by chance. An example is two keys if the light
+    // changes abruptly in the middle.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

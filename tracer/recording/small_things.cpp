@@ -308,7 +308,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // `across` is half the width of the ellipsoid's image, perpendicular to the longest projected half axis.
+    // `across` is half the width of the ellipsoid's image, measured perpendicular to the longest projected
+    // half axis.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });

@@ -25,7 +25,7 @@ class Permutation {
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
             // The shift is 1 to bits - 1 and depends on the highest 4 bits of the offset. `step` uses only
-            // the lowest `bits` bits of the offset. Unless bits > 28, the two are therefore independent.
+            // the lowest `bits` bits of the offset. Unless bits > 28, the shift is independent of these.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }

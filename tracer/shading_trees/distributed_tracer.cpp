@@ -29,8 +29,8 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped. The light above the clamp is left to the highlights, which are drawn
-/// separately (LightElsewhere). All light of the node is summed before clamping.
+/// A node whose radiance is clamped, because the light above the clamp is drawn separately, as highlights
+/// (LightElsewhere). All light of the node is summed before clamping.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

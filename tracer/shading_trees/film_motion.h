@@ -46,8 +46,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving id and instant, the matrix that maps the position of a point at `from_s` to its
-    /// position at that instant.
+    /// For each moving object (by id) and each instant, the matrix that maps the position of a point at
+    /// `from_s` to its position at that instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
@@ -55,8 +55,8 @@ class FilmMotion {
 
 /// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
 /// nine evenly spaced instants, including both ends of the interval, the instants in `recorded_s`, and the
-/// keyframes of objects and camera within the interval. At most 32 keyframes are used. If there are more, 32
-/// of them are chosen in a sequence that has no period.
+/// keyframes of objects and camera within the interval. If there are more than 32 keyframes, 32 of them are
+/// chosen quasi-randomly.
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 

@@ -164,8 +164,8 @@ class Follower {
         }
         const bool first = c.layers == 1;
         // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass itself,
-        // so the lens sees more of them past an edge. A mirror or glass is therefore kept if the lens may see
-        // any depth on this ray.
+        // so the lens sees more of them past an edge. A mirror or glass is therefore kept if the lens could
+        // see a surface at some depth on the same ray.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

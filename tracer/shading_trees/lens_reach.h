@@ -90,9 +90,9 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Factor that converts the difference of two surfaces' inverse depths, 1/m, to the shift of their images
-    /// relative to each other, px, when the lens point moves from the centre of the lens to its outline. It
-    /// is the lens radius, m, divided by the camera's tangent per pixel.
+    /// Factor that converts a difference of inverse depths, 1/m, to a shift, px. The shift is that of two
+    /// surfaces' images relative to each other when the lens point moves from the centre of the lens to its
+    /// outline. The factor is the lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -72,7 +72,7 @@ double power(double cosine, double exponent) {
                       : 0;
 }
 
-// Returns the slope of the sRGB curve per channel, the change of the image value per change of radiance.
+// Returns the slope of the sRGB curve per channel: the change of the image value per change of radiance.
 dvec3 encoded_slope(const dvec3& radiance) {
     dvec3 out;
     for (int c = 0; c < 3; ++c) out[c] = srgb_slope(std::min(radiance[c], 1.0));
@@ -97,8 +97,8 @@ struct LobeMeans::Ray {
     double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// The hits [first, end) in sorted order, which have the same object and path, and the rays that these hits
-// share.
+// A group of hits with the same object and path, and the rays that these hits share. The hits are [first,
+// end) in sorted order.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;

@@ -26,7 +26,7 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed error after the first Newton step, as a fraction of the length of this step. After later steps, the
 // error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays are first traced from two lens points at right angles. If both differ from their first-order
+// Rays are first traced from two lens points at right angles. If both rays differ from their first-order
 // prediction by at most this fraction of settled_px, the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 

@@ -26,8 +26,8 @@ struct WhittedSettings {
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
     /// Lens radius, m. For a lobe that is wider than this lens, as seen from the surface (lobe_is_wide), the
-    /// mean radiance is recorded. For any other lobe, only the exact direction of reflection or refraction is
-    /// recorded. If 0, all lobes are averaged.
+    /// mean radiance is recorded. For any other lobe, only the radiance from the exact direction of
+    /// reflection or refraction is recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null

@@ -83,7 +83,7 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Reflected and refracted rays behind whose hits a lens may see hidden surfaces, and these hits.
+        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and these rays.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
