@@ -322,7 +322,7 @@ std::optional<RenderPart> read_render_part(const std::filesystem::path& path, bo
     const Imath::Box2i& window = header.dataWindow();
     const auto width = static_cast<std::int64_t>(window.max.x) + 1,
                height = static_cast<std::int64_t>(window.max.y) + 1;
-    // Parts are not compressed, so a valid file is at least as large as its pixels.
+    // Files of render parts are not compressed, so a valid file is at least as large as its pixels.
     if (width < 1 || height < 1 || header.compression() != Imf::NO_COMPRESSION ||
         static_cast<double>(width) * static_cast<double>(height) * 4.0 *
                 static_cast<double>(words_per_pixel(halves, blocks, with_open)) >

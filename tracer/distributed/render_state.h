@@ -40,7 +40,7 @@ struct RenderState {
                                              bool with_open = false);
     /// Adds the samples of another part of the render. Parts must be added in the order of their numbers.
     void add(const RenderState& part);
-    /// Returns the mean over all samples so far. Pixels without samples are black.
+    /// Returns the mean radiance of all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
     [[nodiscard]] Image half(int which) const;
 };

@@ -6,7 +6,7 @@
 namespace postlens {
 
 /// For each ray, the distances of its first and its last crossing of a shape. A missing crossing is infinite.
-/// The operations have the same order as in the scalar code, so the results are bit-identical.
+/// The results are bit-identical to those of the scalar code, because the operations have the same order.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };

@@ -151,8 +151,8 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// Adds one instance for each interval between two keyframes. The motion may have a kink at a keyframe, which
-// equal time steps over the whole span would smooth.
+// Adds one instance for each interval between two keyframes. A single instance with equal time steps would
+// smooth the kink that the motion may have at a keyframe.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;

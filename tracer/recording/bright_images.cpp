@@ -133,7 +133,7 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // In these units, the cell extends from -0.5 to 0.5. Curved mirrors make the linear model inexact, so
+        // In cell widths, the cell extends from -0.5 to 0.5. Curved mirrors make the linear model inexact, so
         // an image slightly outside the cell is also accepted.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))

@@ -1,4 +1,4 @@
-// Decides from the records at the corners of a quadtree cell whether the cell is divided.
+// Decides whether a quadtree cell is divided, based on the records (shaded surface hits) at its corners.
 #pragma once
 
 #include <array>
@@ -68,16 +68,17 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// True if the cell is wider than 2^-levels px, so that a criterion that is limited to `levels` levels
-    /// may divide it.
+    /// True if the cell is wider than 2^-levels px. Only then may a criterion that is limited to `levels`
+    /// levels divide it.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
     /// Returns the n-th node of the first sample and, for every other sample, the node on the same object
     /// after the same bounces. Empty if a sample has no such node.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the node with the given path in a layer. The node with index `guess` is tested first, because
-    /// most corners of a cell have the same shading tree.
+    /// Returns the node with the given path (sequence of bounces) in a layer, the shading tree of one
+    /// surface. The node with index `guess` is tested first, because most corners of a cell have the same
+    /// shading tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -90,8 +91,8 @@ class CellSplit {
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Returns the layer that begins at record `at` of the sample. Sets `at` to the index after the last
-    /// record of the layer.
+    /// Returns the layer (shading tree of one visible or hidden surface) that begins at record `at` of the
+    /// sample. Sets `at` to the index after the last record of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// True if the cell may contain a narrow object that all its corners miss. Objects behind the farthest
     /// visible surface at the corners are ignored, unless a corner has a recorded hidden surface.
@@ -100,14 +101,14 @@ class CellSplit {
     /// crosses the cell in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
-    /// visible layers of its corners.
+    /// shading trees of the surfaces that are visible at its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     /// True if the hidden surfaces at the corners divide the cell, by the criteria for visible surfaces. Only
     /// hidden surfaces after the same sequence of bounces are compared. Corners without such a surface are
     /// ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path (sequence of bounces), as bits, of the first node of the layer that begins at record
-    /// `at` of the sample. Returns `none` if there is no such record.
+    /// Returns the path (sequence of bounces), as bits, of the first node of the layer (shading tree of one
+    /// surface) that begins at record `at` of the sample. Returns `none` if there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

@@ -1,4 +1,4 @@
-// Sorts the records of a band of pixel rows into the order that a sample file requires.
+// Sorts the records (shaded surface hits) of a band of pixel rows into the order that a sample file requires.
 #pragma once
 
 #include <cstdint>

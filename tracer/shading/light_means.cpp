@@ -55,8 +55,9 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// Returns the mean radiance over the light source, without shadows. The source is divided into ever smaller
-// cells until the mean changes little and a cell is narrower than the specular highlight.
+// Returns the mean over the light source of the radiance that the surface reflects, without shadows. The
+// source is divided into ever smaller cells until the mean changes little and a cell is narrower than the
+// specular highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));

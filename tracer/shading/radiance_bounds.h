@@ -1,4 +1,5 @@
-// Upper bounds of the radiance along a ray. Rays that cannot contribute visibly are not traced.
+// Upper bounds of the radiance along a ray. They show which rays cannot contribute visibly. Such rays are not
+// traced.
 #pragma once
 
 #include <vector>

@@ -84,8 +84,8 @@ class Follower {
     }
 
   private:
-    // Processes a hit of a ray. The hit is either a new surface, which is added to the chain, or the exit
-    // from an object, or a repeated hit at the same position.
+    // Processes a hit of a ray. The hit is a new surface, which is added to the ray's chain of surfaces, or
+    // the exit from an object, or a repeated hit at the same position.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -117,8 +117,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next surface on the ray, or the background behind all surfaces, to the chain. If it is hidden
-    // and the caller needs it, it is also added to the result.
+    // Adds the next surface on the ray, or the background behind all surfaces, to the ray's chain of
+    // surfaces. If it is hidden and the caller needs it, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -151,7 +151,7 @@ class Follower {
     }
 
     // True if some lens point may see surface `s` past the surfaces in front of it. Also adds the inverse
-    // depth of `s` to the chain.
+    // depth of `s` to the ray's chain of surfaces.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -182,7 +182,8 @@ class Follower {
     }
 
     // True if motion may uncover surface `s`. For each surface in front of `s`, there must be an instant at
-    // which the two have different raster positions. Adds the raster positions of `s` to the chain.
+    // which the two have different raster positions. Also adds the raster positions of `s` to the ray's chain
+    // of surfaces.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -1,4 +1,4 @@
-// Completes the nodes of shading trees when all rays are traced. Adds the means over lobes and lights,
+// Completes the nodes of shading trees once all rays are traced. Adds the means over lobes and lights,
 // measures the second-order motion of the nodes' images over the lens, and converts the nodes to records.
 #include <algorithm>
 #include <array>
