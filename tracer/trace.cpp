@@ -197,8 +197,8 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores one inverse depth (a float) per pixel, and a pyramid with the minima and maxima of
-    // these inverse depths (two floats per square, 4/3 squares per pixel).
+    // LensReach stores one inverse depth (a float) per pixel. It also stores a pyramid with the minima and
+    // maxima of these inverse depths (two floats per square, 4/3 squares per pixel).
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);

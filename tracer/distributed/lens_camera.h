@@ -70,8 +70,9 @@ class LensCamera {
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth of the point `world`, 1/m, and its two derivatives along the raster's axes,
-    /// 1/m per px, on the plane through `world` with the given normal. All three values are 0 if the pinhole
-    /// sees the plane edge-on or if the camera is orthographic. Not for moving cameras.
+    /// 1/m per px. The derivatives are those of the plane through `world` with the given normal. All three
+    /// values are 0 if the pinhole sees the plane edge-on or if the camera is orthographic. Not for moving
+    /// cameras.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for

@@ -146,8 +146,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Each pixel needs memory for its sums (24 bytes each) and sample counts (4 bytes each), for a copy in
-    // the layout of the file, and for two float images (24 bytes).
+    // The memory per pixel consists of the sums (24 bytes each) and sample counts (4 bytes each), a copy in
+    // the layout of the file, and two float images (24 bytes).
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

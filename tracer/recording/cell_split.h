@@ -98,7 +98,7 @@ class CellSplit {
     /// visible surface at the corners are ignored, unless a corner has a recorded hidden surface.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if all corners of the cell show the same part of an object, but the outline of another part
-    /// crosses the cell in front of it.
+    /// passes in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// shading trees of the surfaces that are visible at its corners.
@@ -107,8 +107,8 @@ class CellSplit {
     /// hidden surfaces after the same sequence of bounces are compared. Corners without such a surface are
     /// ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path (sequence of bounces), as bits, of the first node of the layer (shading tree of one
-    /// surface) that begins at record `at` of the sample. Returns `none` if there is no such record.
+    /// Returns the path (sequence of bounces), as bits, of the first node of a layer (shading tree of one
+    /// surface). The layer begins at record `at` of the sample. Returns `none` if there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

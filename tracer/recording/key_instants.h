@@ -40,17 +40,17 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, with which a
-/// key lies in each time span in which a moving object is in view. The instant `recorded_s` also counts as a
-/// key. An object is in view if its bounding sphere reaches into the frame, even if other objects hide it. If
-/// its keyframes scale it, it must also have at least half of its largest size. Ignores time spans that no
-/// number of keys can hit.
+/// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
+/// every moving object. For this, a key must lie in each time span in which an object is in view. The instant
+/// `recorded_s` also counts as a key. An object is in view if its bounding sphere reaches into the frame,
+/// even if other objects hide it. If its keyframes scale it, it must also have at least half of its largest
+/// size. Ignores time spans that no number of keys can hit.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys (recorded instants) that the scene needs. It depends on turning objects (one
-/// key for every `degrees_per_key`), on the camera's pan, on objects that are in view or large only for a
-/// short time, and on changing light.
+/// Returns the number of keys (recorded instants) that the scene needs. Four things require keys: turning
+/// objects (one key per `degrees_per_key`), a panning camera, objects that are in view or large only for a
+/// short time, and changing light.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);

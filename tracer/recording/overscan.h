@@ -11,9 +11,9 @@
 namespace postlens {
 
 /// Returns the overscan, px, found by a coarse trace around the frame with one sample per 8 px. The overscan
-/// includes a sample if its circle of confusion reaches the frame, or if one of its surfaces, visible or
-/// hidden, moves into the frame at an instant of `motion`. The result is at most half of the frame's longer
-/// side, and at most 4096 px. `motion` may be null.
+/// includes a sample if its circle of confusion reaches the frame. It also includes a sample if one of its
+/// surfaces, visible or hidden, moves into the frame at an instant of `motion`. The result is at most half of
+/// the frame's longer side, and at most 4096 px. `motion` may be null.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

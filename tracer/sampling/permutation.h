@@ -38,8 +38,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces several x, all in [0, n), by their images. An element needs fewer than two steps on average,
-    /// because n is more than half of 2^b (the smallest power of two that is at least n).
+    /// Replaces several x, all in [0, n), by their images. An element needs fewer than two steps on average.
+    /// This is because n is more than half of 2^b, the smallest power of two that is at least n.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);

@@ -84,8 +84,8 @@ class Follower {
     }
 
   private:
-    // Processes a hit of a ray. The hit is a new surface, which is added to the ray's chain of surfaces, or
-    // the exit from an object, or a repeated hit at the same position.
+    // Processes a hit of a ray. A new surface is added to the ray's chain of surfaces. Other hits are the
+    // exit from an object, or a repeated hit at the same position.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;

@@ -32,12 +32,12 @@ class LensReach {
     /// relative to each other. Beside an edge, the lens then sees less than a quarter of a pixel of the
     /// farther surface.
     static constexpr double same_place_px = 0.25;
-    /// Margin, px, around the strip of a hidden surface that the lens sees. It is needed because the position
-    /// of an edge is known only up to the diagonal of a pixel, and because the recorded strip must include
-    /// the corners of all pixels that show it.
+    /// Margin, px, around the strip of a hidden surface that the lens sees. There are two reasons. The
+    /// position of an edge is known only up to the diagonal of a pixel. The recorded strip must include the
+    /// corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the shift of its image over the lens changes by at least this value from
-    /// one pixel to the next, px/px. Within a plane, it changes this much only if the plane is seen so
+    /// A surface has an edge where the shift of its image over the lens changes by at least this value
+    /// between neighbouring pixels, px/px. Within a plane, it changes this much only if the plane is seen so
     /// obliquely that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden

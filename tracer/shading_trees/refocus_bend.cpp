@@ -19,8 +19,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // derivatives at the pinhole, so each step reduces the error only about tenfold. If the search has not
 // converged, its estimated error is added to the result.
 constexpr int most_steps = 5;
-// The search for a ray has converged in two cases. Either its last step is at most `settled_px`, or its
-// estimated error is at most `settled_share` of the result, which is the difference between the ray and its
+// The search for a ray has converged in two cases: its last step is at most `settled_px`, or its estimated
+// error is at most `settled_share` of the result. The result is the difference between the ray and its
 // first-order prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed error after the first Newton step, as a fraction of the length of this step. After later steps, the

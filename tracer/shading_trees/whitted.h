@@ -106,8 +106,8 @@ class WhittedTracer {
     /// moves. Where there is no estimate, `w_bend` is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// `w_bend`, the second-order motion of a node's image over the lens, counts as small if it displaces the
-    /// image by less than this value, px, for every lens point.
+    /// `w_bend` is the second-order motion of a node's image over the lens. It counts as small if it
+    /// displaces the image by less than this value, px, for every lens point.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.
