@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Throws if a flag has a value, as in --breathing=false. If the flag has a callback, CLI11 would ignore the
-// value and set the flag.
+// Throws if a flag has a value, for example --breathing=false. CLI11 would ignore the value of a flag with a
+// callback, and set the flag.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -32,7 +32,8 @@ void check_flags(const CLI::App& command, std::span<const std::string> words) {
     }
 }
 
-// Reports an unknown option or subcommand by its name. CLI11 would only report that a subcommand is required.
+// Throws an error that names the unknown option or subcommand. CLI11 would only report that a subcommand is
+// required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     const std::vector<const CLI::App*> subcommands =
         app.get_subcommands([](const CLI::App*) { return true; });
@@ -58,8 +59,8 @@ std::string full_name(const CLI::App& app) {
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();
 }
 
-// Reports the first unknown option, and suggests the most similar one that exists. CLI11 would list all
-// unused words, beginning with the last.
+// Throws an error that names the first unknown option and suggests the most similar existing one. CLI11 would
+// list all unused words, beginning with the last.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
         if (word.size() < 2 || word[0] != '-' || (word[1] != '-' && parse_number(word))) continue;
@@ -68,8 +69,8 @@ void check_options(CLI::App& command) {
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // Suggests an option that begins with the word, or else one that differs in at most half of its
-        // letters.
+        // Suggests an option that begins with the mistyped name. If there is none, suggests one that differs
+        // from it in at most half of its letters.
         const std::string asked = name.substr(word[1] == '-' ? 2 : 1);
         const auto longer = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
             return asked.size() > 1 && other.starts_with(asked);

@@ -43,11 +43,11 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image that the command has made, or only the part that --crop selects. Empty if the command has
-    /// written the image to a file. `render --halves` adds two images, each made from half of the samples.
+    /// The image that the command has made, or only the part that --crop selects. Empty if the image was
+    /// written to a file. `render --halves` returns two more images, each from half of the samples.
     std::vector<Image> pictures;
-    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. The rest comes from the
-    /// records of the sample file. Only `focus` and `shoot` with a scene set it, if they return the image.
+    /// For each pixel, the fraction (0 to 1) of its colour that comes from traced rays. The rest comes from
+    /// the sample file. Set only by `focus` and `shoot` with a scene, and only if they return the image.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -91,16 +91,16 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// The scene into which a command traces rays. `explain` is the file name of an image whose colours show how
-/// each pixel was made.
+/// The scene into which a command traces rays. `explain` is the file name of an image that shows in colours
+/// which pixels were made from the records and which by rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
     std::optional<double> lumens_per_watt;  ///< if absent, the sample file's value
 };
 
-/// Throws Error(wrong_arguments) if the units of a scene are given without a scene. They would have no
-/// effect, because the records of a sample file are always in metres.
+/// Throws Error(wrong_arguments) if a unit of the scene (metres_per_unit, lumens_per_watt) is given without a
+/// scene. It would have no effect, because sample files do not use these units.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
@@ -115,7 +115,7 @@ struct ForeignOptions {
     /// Returns pointers to the file names that may differ from frame to frame: the background images
     /// (`behind`), and the mask images that select objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Returns true if a pixel may have several samples at different depths, which must be composited.
+    /// Returns true if a pixel may have several samples at different depths. They must then be composited.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -135,8 +135,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR that the method `auto` tries to reach, in dB. If it is absent, `auto` either uses a default of 40
-    /// dB, or selects a faster method (takes_usual_method).
+    /// PSNR, in dB, that the method `auto` tries to reach. Default: 40 dB, unless takes_usual_method() is
+    /// true.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -146,8 +146,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if the method is `auto` and only selects `layers` or `scatter`, depending on the contents
-    /// of the file (usual_method). This is so if the user gives no target PSNR, no scene and no --explain.
+    /// Returns true if the method is `auto` but the user gives no target PSNR, no scene and no --explain.
+    /// `auto` then only selects `layers` or `scatter`, depending on the contents of the file (usual_method).
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -157,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command that only joins the results of earlier runs, for example of a sweep whose images were
-    /// made by several machines. `words` are the arguments of the command.
+    /// Runs a command with the arguments `words`. The command only joins the results of earlier runs, for
+    /// example of a sweep whose images were made by several machines.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -183,8 +183,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    /// True if each share computes some of the samples of every pixel. False if each share computes some of
-    /// the rows.
+    /// How the work is divided between machines. If true, each machine computes some of the samples of every
+    /// pixel. If false, each computes some of the rows.
     bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
@@ -204,8 +204,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene of the sample file. If it is given, rays replace samples whose colour cannot be found from
-    /// the records, for example because a surface was not recorded.
+    /// The scene from which the sample file was traced. If it is given, rays replace samples whose colour
+    /// cannot be found from the records, for example because a surface was not recorded.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -237,11 +237,11 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// File name for an image that shows the cause of each pixel's error, and the sample file from which the
-    /// tested image was made. Either both are given or neither.
+    /// `map_causes` is the file name of an output image that shows the cause of each pixel's error. `frame`
+    /// is the sample file from which the tested image was made. Both or neither must be given.
     std::optional<std::string> map_causes, frame;
-    /// The scene of the sample file. If it is given, rays help to find the causes of errors. Its member
-    /// `explain` is not used.
+    /// The scene from which the sample file was traced. If it is given, rays help to find the causes of
+    /// errors. The member `explain` is not used.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -275,62 +275,63 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the open sample file of a command. If `kept` is set, the file is already open. Otherwise, the file
-/// `input` is opened. Colours are read at the given exposure.
+/// Returns the command's open sample file: `kept` if it is not null, otherwise the newly opened file `input`.
+/// Colours are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// If the sample file is damaged, adds a warning `salvaged`, which lists the lost rows. If it is only one
-/// machine's share of a divided trace, adds a warning `part`.
+/// If rows of the sample file are damaged, adds the warning `salvaged`, which lists them. If the file
+/// contains only some of the rows, traced by one of several machines, adds the warning `part`.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
-/// Adds a warning `part` if an image file contains only one machine's share of a divided image.
+/// Adds the warning `part` if an image file contains only the share of the image that one of several machines
+/// computed.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
-/// Returns the value of an option, `asked`. If it is absent, returns the value in the file, `named`. Throws
-/// Error(wrong_arguments) if both are absent. The error message uses the word `file`, for example "sample
-/// file".
+/// Returns `asked`, the value of the option, or else `named`, the value in the file. Throws
+/// Error(wrong_arguments) if both are absent. `file` is the kind of file for the error message, for example
+/// "sample file".
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// The lens of an image and its focus distance. resolve_lens takes each value from the options, or from the
-/// sample file if the option is absent. It throws Error(wrong_arguments) if neither states the value.
+/// The lens of an image and its focus distance. resolve_lens takes each value from the options, or else from
+/// the sample file. It throws Error(wrong_arguments) if neither states the value.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// Reads a lens prescription. Each message of the reader to the user becomes a warning with the code `lens`.
+/// Reads a lens prescription. Each note of the reader becomes a warning with the code `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// Sets the focal length of `lens` to that of the lens prescription in `impulse`, and also the f-number if
-/// `lens` has none. Throws Error(wrong_arguments) if the user has given a focal length, because it would
-/// contradict the prescription.
+/// Copies the focal length of the lens prescription in `impulse` to `lens`, and also its f-number if `lens`
+/// has none. Throws Error(wrong_arguments) if the user has given a focal length, because it would contradict
+/// the prescription.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the interval in which the shutter is open: `asked`, the value of the option, or the interval in
-/// the file if the option is absent. If `from_frame` is set, the times in `asked` are relative to the instant
-/// of the frame. Throws Error(wrong_arguments) if the file states no interval either.
+/// Returns the interval in which the shutter is open: the option's value `asked`, or else the interval in the
+/// file. If `from_frame` is set, the times in `asked` are relative to the instant of the frame. Throws
+/// Error(wrong_arguments) if neither the option nor the file states an interval.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the aperture of the lens is larger than the largest one for which the sample file was
-/// traced, or if the exposure is not within the interval of time for which it was traced.
+/// Adds a warning if the lens has a larger aperture than the sample file was traced for, or if the exposure
+/// extends beyond the time interval that it was traced for.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
 /// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays replace samples
-/// whose colour cannot be found from the records. If `retrace.explain` is set, writes an image that shows how
-/// each pixel was made. Adds the warnings of the scene to `out`. Throws if the scene refers to the output
+/// whose colour cannot be found from the records. If `retrace.explain` is set, an image is written that shows
+/// how each pixel was made. Adds the warnings of the scene to `out`. Throws if the scene refers to the output
 /// file `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns the numbers that `focus` and `shoot` report for the method hybrid, such as the fraction of the
-/// image that was traced by rays, the numbers of rays, and the measured error.
+/// Returns the numbers that `focus` and `shoot` report for the method hybrid, for example how much of the
+/// image was traced by rays, the number of rays, and the measured error.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
-/// Returns the shutter curve "box" or "triangle". Any other word is the name of a file from which the curve
-/// is read. Throws Error(invalid_input) if that fails.
+/// Returns the shutter curve "box" or "triangle". Any other word is the name of a file with a shutter curve.
+/// Throws Error(invalid_input) if the file cannot be read.
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
 /// Returns the numbers of traced rays, as `--json` lists them.

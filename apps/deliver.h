@@ -20,7 +20,7 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image to its file, or adds it to the result if there is no file. Also reports the crop and the
+/// Writes the image to its file, or adds it to the result if no file is named. Also reports the crop and the
 /// exposure of the image (report_picture).
 void deliver(Image image, const Delivery& to, CommandResult& out);
 

@@ -11,8 +11,8 @@
 namespace postlens {
 
 /// Returns the exposure, in stops, at which to read a sample file. For `auto`, it is the automatic exposure
-/// that the file stores, or one that is computed from the pinhole image if the file stores none. Returns an
-/// empty value if the option is not given, so that the file is read at the exposure that it states.
+/// that the file stores, or else one computed from the pinhole image. If the option is not given, returns an
+/// empty value, which means the exposure that the file states.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 

@@ -19,8 +19,8 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and ends the line. Errors are ignored: `check_output` reports those of standard output
-/// later, and those of standard error cannot be reported.
+/// Writes a text and ends the line. Errors are ignored here. `check_output` later reports those of standard
+/// output, but those of standard error cannot be reported.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);
@@ -81,12 +81,12 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Signals cancel this job. It is static, because a signal may arrive until the process ends. One thread
-    // suffices, because the command itself runs in another job.
+    // Signals cancel this job. It is static, because a signal may arrive until the process ends. It needs
+    // only one thread, because the command itself runs in another job.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // If these signals are ignored, a write beyond a size limit or into a closed pipe fails with an error
-    // message. Otherwise, the signals would end the program silently.
+    // By default, these signals would end the program silently. If they are ignored, a write beyond a size
+    // limit or into a closed pipe fails with an error message.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

@@ -14,8 +14,7 @@
 
 namespace postlens {
 
-/// The range of values that an option accepts, and a text that describes the range in help and error
-/// messages.
+/// The range of values that an option accepts. `text` describes the range in help and error messages.
 struct OptionRange {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool includes_low = true;
@@ -29,15 +28,15 @@ inline constexpr OptionRange any_value{}, above_0{.low = 0, .includes_low = fals
 inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .high = 80},
                              wave_lengths_nm{.low = 100, .high = 1e5}, units_m{.low = 1e-9, .high = 1e9};
 
-/// Throws Error(wrong_arguments), which names the option, if `value` is out of range. `text` is the value as
-/// the user has typed it.
+/// Throws Error(wrong_arguments) if `value` is out of range. The message names the option and quotes `text`,
+/// the value as typed by the user.
 void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds);
 
 /// Parses a finite number. With `infinite`, "inf" is accepted too. This function and those below throw
 /// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. Throws if it does not fit into an int. `bounds` is only used for the error message, so
-/// the caller must check that the integer is within the bounds.
+/// Parses an integer. Throws if it does not fit into an int. `bounds` only serves the error message; the
+/// caller must check it.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size in px, such as "960x540".
@@ -60,15 +59,15 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses 1 to 1000 integers such as "1,4,16".
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
-/// Formats a length in px, rounded to a tenth of a px. From 1e7 px on, it is rounded to three significant
-/// digits.
+/// Formats a length in px, rounded to a tenth of a px, or to three significant digits if it is 1e7 px or
+/// more.
 [[nodiscard]] std::string px_text(double px);
 
 /// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, and W and H at least 1.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
-/// Returns `value` if it is above `low`, or equal to `low` and `including_low` is set. Throws
-/// Error(wrong_arguments) otherwise.
+/// Returns `value` if it is above `low`, or if it equals `low` and `including_low` is set. Otherwise, throws
+/// Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 
 }  // namespace postlens

@@ -20,8 +20,8 @@ struct OpenFrame {
     FocusFrame frame;
 };
 
-/// Keeps a sample file open and its records in memory, so that further images are made faster. Only one image
-/// can be made at a time.
+/// Keeps a sample file open and its records in memory, so that further images are made faster. It makes only
+/// one image at a time.
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}

@@ -10,17 +10,16 @@
 
 namespace postlens {
 
-/// Runs the command in the calling thread, as a part of the current job. Adds the running time to the JSON as
-/// `seconds`.
+/// Runs the command in the calling thread and the current job. Adds the running time in `seconds` to the
+/// JSON.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses the arguments after the name of the program, and runs the command (run_timed). If another call uses
 /// the open file `in_process.kept`, waits until that call ends.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
-/// Returns the JSON text that `--json` prints. It contains the JSON of the result, the peak memory of the
-/// process, and the warnings. Names of files, and names in files, need not be UTF-8, but JSON must be. Bytes
-/// that are not valid UTF-8 become U+FFFD.
+/// Returns the JSON text that `--json` prints: the JSON of the result, the peak memory of the process, and
+/// the warnings. Bytes of names that are not valid UTF-8 become U+FFFD, because JSON must be UTF-8.
 [[nodiscard]] std::string report_json(const CommandResult& result);
 
 }  // namespace postlens

@@ -7,8 +7,8 @@
 namespace postlens {
 namespace {
 
-// Returns the unit with which to read the scene of a sample file, for example metres per unit. Throws if the
-// user gives another value than the sample file, because traced rays would not agree with the records.
+// Returns a unit for reading the scene of a sample file, for example metres per unit. Throws if the user's
+// value differs from that of the sample file, because traced rays would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -33,7 +33,7 @@ Scene read_scene_of_file(const std::string& path, const std::optional<double>& m
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
     // Sample files from old versions of postlens state neither metres per unit nor lumens per watt. Both
-    // default to 1, because these versions assumed lengths in metres, and counted 1 W of light as 1 lm.
+    // default to 1, as these versions assumed.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

@@ -41,8 +41,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Caches the SHA-256 of files, together with the times of their last modification. The frames of a film
-/// often have the same scene, which is then read only once.
+/// Caches the SHA-256 and modification time of files. The frames of a film often share a scene, which is then
+/// read only once.
 class Digests {
   public:
     [[nodiscard]] std::optional<std::string> of(const std::string& path) {

@@ -1,5 +1,5 @@
-// Divides the work of a command into shares for several machines. Each machine computes one share. The result
-// file of a share contains a description (mark), by which `merge` recognises the share.
+// Divides the work of a command between several machines, each of which computes one share. Its result file
+// contains a description (mark), by which `merge` recognises the share.
 #pragma once
 
 #include <cstdint>
@@ -58,12 +58,12 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// mark is JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share that a mark (the JSON in the result file of a share) describes. Returns an empty value
-/// if the text is no such JSON.
+/// Returns the share of the work that a mark describes. A mark is the JSON in the result file of one machine.
+/// Returns an empty value if the text is no such JSON.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns JSON (a mark) that describes a share whose result is a set of items, such as the images of a
-/// sweep. `merge` runs the command again with the arguments `words` to join the results.
+/// Returns the mark, i.e. the JSON description, of a result that is a set of items, such as the images of a
+/// sweep. To join the results, `merge` runs the command again with the arguments `words`.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 

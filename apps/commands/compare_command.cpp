@@ -158,8 +158,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` is the error against the reference minus that against the second reference (--noise), in
-    // standard errors. Noise alone hardly ever causes an absolute value above 4.
+    // `preference` compares the image's errors against the two references (--noise): their difference, in
+    // standard errors. Noise alone hardly ever makes it larger than 4 or smaller than -4.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -195,9 +195,9 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// Brings all images to the exposure of the option --exposure. The value `auto` means the automatic exposure
-// of the reference. Without the option, it is the exposure of the reference, or that of the tested image if
-// the reference states none.
+// Scales all images to one exposure: the value of --exposure, where `auto` means the automatic exposure of
+// the reference. Without the option, it is the exposure that the reference states, or else that of the tested
+// image.
 class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)

@@ -64,8 +64,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that can be found without running anything, for example a missing output folder. The
-    /// measurements report all other errors of the command.
+    /// Checks for errors that can be found without running anything, for example a missing output folder, and
+    /// throws them. All other errors appear when the command is run to be measured.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -117,8 +117,8 @@ class Measured {
     }
 
     /// Runs the command and measures its time and memory. `more` contains additional options. `amount`
-    /// replaces the number of samples or views if the command has such a number. `ending` is the extension of
-    /// the output file.
+    /// replaces the number of samples or views, if the command has one. `ending` is the extension of the
+    /// output file.
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -155,9 +155,9 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the time for any number of samples or views. The command runs with a few of them, and again
-    /// with twice as many. Both numbers are doubled until the two times clearly differ, or until the full
-    /// number is reached.
+    /// Predicts the time as a linear function of the number of samples or views. The command is run with a
+    /// few of them, and again with twice as many. Both numbers are doubled until the two times clearly
+    /// differ, or until the full number is reached.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -194,8 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. Its time for the full number is
-            // extrapolated by the factor that was found for the middle frame.
+            // This frame was measured only with few samples or views. Its time is scaled to the full number
+            // by the ratio found for the middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -209,9 +209,9 @@ class Measured {
         return out;
     }
 
-    /// Predicts the cost of each task of a sweep: a fixed time plus a time for each image. The fixed time is
-    /// measured by a run that makes a single image. The time for each image is measured by one or two runs
-    /// that make several images.
+    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. A run that makes a
+    /// single image gives the fixed time. One or two runs that make several images give the time for each
+    /// image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -247,7 +247,7 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
         // A task that computes some of the samples of every pixel stores several sums of radiance per pixel.
-        // So it needs more memory than an undivided run, which stores only one sum per pixel.
+        // An undivided run needs less memory, because it stores only one sum per pixel.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -261,8 +261,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes only 1 / `shares` of the rows. With `shares` times as many samples or views, its
-        // measurement takes about as long as that of the whole image.
+        // A task makes only one of `shares` groups of rows. So it is measured with `shares` times as many
+        // samples or views, which takes about as long as measuring the whole image.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -13,7 +13,7 @@ namespace postlens {
 
 /// A command whose time and memory `--dry-run` predicts.
 struct DryRun {
-    /// The words of the command line, without --share, --dry-run and the options that name outputs.
+    /// The words of the command line, without --share, --dry-run and the options with output names.
     std::vector<std::string> words;
     std::string output;
     int shares = 1;
@@ -27,9 +27,9 @@ struct DryRun {
     int amount = 0;
 };
 
-/// Predicts the time and memory of each task, and returns them as JSON. For this purpose, it runs and
-/// measures small versions of the command, for example with few samples or a single frame. They run in
-/// separate processes, which write only to a temporary folder. Throws the errors of the command.
+/// Predicts the time and memory of each task, and returns them as JSON. To measure them, it runs small
+/// versions of the command, for example with few samples or a single frame. These run in separate processes,
+/// which write only to a temporary folder. Throws the errors of the command.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

@@ -51,9 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // In the sample file, the f-number is the film distance divided by the diameter of the aperture, instead
-    // of the focal length divided by this diameter. The f-number of `lens` is converted accordingly. The
-    // focus distance is not compared, because it does not change which hidden surfaces a lens sees.
+    // The sample file's f-number is the film distance divided by the aperture diameter, so the f-number of
+    // `lens` is converted from focal length to film distance. The focus distance is not compared, because it
+    // does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -76,12 +76,11 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // With --salvage, a damaged header may hide what kind of file this is. The input is then assumed to be a
-    // sample file.
+    // With --salvage, the header may be too damaged to show what kind of file this is. The input is then
+    // assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // Units are checked only for sample files. For other kinds of file, the reader below throws a clearer
-    // error.
+    // Units are checked only for sample files. For other files, the reader below throws a clearer error.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -132,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // If there is a scene, even the image of a pinhole is made from several views (reprojections) and rays.
-    // The rays find surfaces that lie between the recorded points.
+    // If there is a scene, even a pinhole's image is made from several views (images reprojected from the
+    // records) and rays. The rays find surfaces that lie between the recorded points.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -152,9 +151,9 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of reflected and refracted surfaces that are reprojected to wrong positions. The records describe
-    // only to first order how such surfaces move in the image when the lens point moves. With a scene, there
-    // is no warning, because rays replace the wrong samples.
+    // Warns of reflections and refractions that are reprojected to wrong positions, because the records
+    // describe their motion over the lens only by a linear approximation. With a scene, there is no warning,
+    // because rays replace the wrong samples.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

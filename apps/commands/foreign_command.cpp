@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind as further layers behind `picture`, nearest first. Their pixels that mix
-/// several surfaces are first split into one sample per surface, each with its own depth.
+/// Composites the images of --behind behind `picture`, nearest first. Pixels of these images that mix several
+/// surfaces are first split into one sample per surface, each with its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -160,8 +160,7 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // The error is thrown here only for sample files. For other kinds of file, the reader throws a clearer
-    // error later.
+    // Only sample files cause this error. For other kinds of file, the reader throws a clearer error later.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -218,8 +217,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The focal length of a lens prescription is not used as that of the camera, because the image was
-    // rendered with another lens.
+    // The camera does not get the focal length of a lens prescription, because the image was rendered with
+    // another lens.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -230,8 +229,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Most channels of --passes are measured from several views (reprojections to lens points). With such a
-    // channel, --views is allowed for every method.
+    // Most extra output channels (--passes) are computed from several views (images from single lens points).
+    // With such a channel, --views is allowed for every method.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Returns the number of layers: one for the visible surfaces, plus one for each layer of hidden surfaces
-// behind them. The file does not state this number, so all records are read.
+// behind them. It is found by reading all records, because the file does not state it.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

@@ -24,8 +24,8 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// Returns the arguments of the command that made the part, without --output. Throws unless the command is
-/// `sweep` or `chart`. Their parts are joined by running the command again.
+/// Returns the arguments of the command that made the part, without --output. `merge` joins the parts of a
+/// `sweep` or `chart` by running the command again. Throws for parts of any other command.
 std::vector<std::string> words_in(const PartFacts& part) {
     const Json words = part.mark.value("words", Json());
     const bool texts = words.is_array() && !words.empty() &&

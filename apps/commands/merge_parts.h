@@ -1,5 +1,5 @@
-// The parts that `merge` joins. Each part is the result file of one share of a command. These functions find
-// out which share a part contains, and check that all parts come from the same command.
+// The result files (parts) that `merge` joins, each made by one machine. These functions find out which share
+// of the work a part contains, and check that all parts come from the same command.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns which share of the work a file contains, and the number of shares. `mark` is the JSON that
-/// describes the file (mark_of in share.h). Throws Error(invalid_input) if it is not such JSON.
+/// Returns which share of the work a file contains, for example the first of 8. `mark` is the JSON that
+/// describes the file (mark_of in share.h). Throws Error(invalid_input) if `mark` is not such JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.

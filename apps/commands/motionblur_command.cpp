@@ -27,8 +27,8 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// Returns the name of the method that blurred an object. The value `automatic` means that the object was not
-// blurred.
+// Returns the name of the method that blurred an object, or "none" if the object was not blurred
+// (`automatic`).
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -152,8 +152,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur by running `shoot` with a pinhole, because `shoot` can trace rays. Rays replace samples
-/// whose colour cannot be found from the records.
+/// Makes motion blur by running `shoot` with a pinhole. `shoot` can trace rays, which replace samples whose
+/// colour cannot be found from the records.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -218,12 +218,12 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // With --salvage, a damaged header may hide what kind of file this is. The input is then assumed to be a
-    // sample file.
+    // With --salvage, the header may be too damaged to show what kind of file this is. The input is then
+    // assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // Refuses options that do not apply to sample files. For other kinds of file, the reader below throws a
-    // clearer error.
+    // Refuses options that do not apply to sample files. For other files, the reader below throws a clearer
+    // error.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

@@ -1,5 +1,5 @@
-// For `focus`, `shoot` and `motionblur`: makes images with a target error (method auto), and reports
-// predicted errors.
+// Makes images with a target error (method auto) for `focus`, `shoot` and `motionblur`, and reports predicted
+// errors.
 #pragma once
 
 #include "apps/command.h"
@@ -8,13 +8,13 @@
 
 namespace postlens {
 
-/// Makes an image with as many views (reprojections to lens points) and rays as the target PSNR needs (method
-/// auto). Adds the warnings of the scene to `out`, and sets the exit code if the target is missed. If
-/// `retrace.explain` is set, writes an image that shows how each pixel was made. Throws if the scene refers
-/// to the output file `picture`.
+/// Makes an image with as many views (images from single lens points) and rays as the target PSNR needs
+/// (method auto). Sets the exit code if the target is missed. Adds the warnings of the scene to `out`. If
+/// `retrace.explain` is set, an image is written that shows how each pixel was made. Throws if the scene
+/// refers to the output file `picture`.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
-/// Adds the predicted error of an image to the text and the JSON of the result, for the option --predict.
+/// Adds the predicted error of an image to the text and JSON of the result (option --predict).
 void report_prediction(const PredictedError& predicted, CommandResult& out);
 /// Returns the numbers that `--json` lists only for the method auto.
 [[nodiscard]] nlohmann::ordered_json auto_json(const AutoResult& result);

@@ -6,10 +6,10 @@
 namespace postlens {
 namespace {
 
-// The two diameters, in px, of an elliptical circle of confusion. They are the singular values of the matrix
-// g D (I / s - W). Here g is film distance / pixel pitch, D is the diameter of the aperture in m, s is the
-// focus distance in m, and I is the identity. W is the 2x2 matrix, in 1/m, of a record. It describes how the
-// image of the recorded surface moves when the lens point moves.
+// The two diameters, in px, of an elliptical circle of confusion: the singular values of the matrix g D (I /
+// s - W). Here g is film distance / pixel pitch, D the aperture diameter in m, s the focus distance in m, and
+// I the identity. W, a 2x2 matrix in 1/m, describes how the image of the recorded surface moves when the lens
+// point moves.
 struct CocAxes {
     double longer_px, shorter_px;
 };

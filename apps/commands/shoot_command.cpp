@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Warns of shadows, lighting and reflections that should change while surfaces move, but are shown as they
-/// were recorded at a single instant. There is no warning if the file has several recorded instants.
+/// Warns of shadows, lighting and reflections that should change while surfaces move, but stay as recorded.
+/// This happens only if the file has a single recorded instant.
 void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
                            CommandResult& out) {
     constexpr int rows_at_once = 64;

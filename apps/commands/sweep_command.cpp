@@ -87,8 +87,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Warnings of images for which the file was not traced: the aperture is too large, or the shutter is open
-    // outside the traced interval. Only the first is reported, with the number of images.
+    // Warnings of images for which the sample file is insufficient: it was traced for smaller apertures, or
+    // for another shutter interval. Only the first warning is reported, with the number of such images.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

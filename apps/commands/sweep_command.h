@@ -11,8 +11,8 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as the user has typed them. If one of the first three is absent, the value in the
-    /// sample file is used.
+    /// Lists of values, as typed by the user. Each of the first three defaults to the value in the sample
+    /// file.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file
@@ -24,7 +24,7 @@ struct SweepOptions {
     bool strict = false;
 };
 
-/// Returns the number of images of a sweep. Throws the errors of run_sweep if the options are wrong.
+/// Returns the number of images of a sweep. Throws the errors of run_sweep if an option is wrong.
 [[nodiscard]] std::size_t pictures_of(const SweepOptions& options);
 [[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
 

@@ -17,8 +17,8 @@ double degrees(double tangent) {
 }
 
 // Returns the tangent of the largest field angle at which rays are drawn. It is computed from the film width,
-// or, if there is none, from the field angles in the prescription. Without either, it is 0.36. If no light
-// passes through the lens at this angle, a smaller one is used.
+// or else from the field angles in the prescription. Without either, it is 0.36. It is reduced if no light
+// passes through the lens at this angle.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {
@@ -81,8 +81,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Rays can be traced only through a converging lens. For a diverging lens, only the first-order data are
-    // reported, and TracedLens throws if a drawing, an f-number or a focus distance is requested.
+    // A diverging lens cannot be traced. Only its first-order data are reported, and TracedLens throws if a
+    // drawing, an f-number or a focus distance is requested.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

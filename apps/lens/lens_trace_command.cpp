@@ -111,8 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Returns the area, in mm^2, of the part of the entrance pupil through which light from a point on the axis
-/// passes. The areas for points off the axis are divided by it.
+/// Returns the area, in mm^2, of the part of the entrance pupil that transmits light from a point on the
+/// axis. Areas for points off the axis are divided by this area.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;

@@ -14,13 +14,13 @@
 namespace postlens {
 namespace {
 
-/// One of the alternative tasks of a command such as `lens fit`, and the options that this task uses.
+/// One of the alternative tasks of a command such as `lens fit`, with the options that apply to this task.
 struct Task {
     std::string_view name;
     std::vector<std::string_view> uses;
 };
 
-/// Throws if an option is given that this task does not use, because the option would have no effect.
+/// Throws if an option is given that does not apply to this task, because it would have no effect.
 void refuse_unused(const CLI::App& app, const Task& task, std::span<const Task> all) {
     const auto uses = [](const Task& t, const std::string& option) {
         return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();

@@ -140,8 +140,7 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
         ->type_name("X,Y,W,H");
 }
 
-// Adds the lens options. `source` states which value is used if an option is absent, for example "the
-// file's". It becomes part of each help text.
+// Adds the lens options. `source` states the default in each help text, for example "the file's".
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
     number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,

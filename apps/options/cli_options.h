@@ -1,5 +1,5 @@
 // Options that several subcommands have, and functions that parse option values. Only the files cli*.cpp
-// include this header, because CLI11 is slow to compile.
+// include this header, because it includes CLI11, which is slow to compile.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -47,10 +47,10 @@ void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
-/// Adds --exposure. `absent` is the part of the help text that states the default.
+/// Adds --exposure. Its help text states `absent` as the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to a command that reads the scene of a sample file. The help text begins with
-/// `when`, for example "With --scene: ".
+/// Adds --lumens-per-watt to a command that also reads the scene from which its sample file was traced. The
+/// help text begins with `when`, for example "With --scene: ".
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
@@ -81,10 +81,9 @@ struct LensFitLimitsOptions;
 /// Adds those options of `lens fit` that need no lens prescription, for example --pairs (cli_lens_fit.cpp).
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
-/// Adds `lens` and its subcommands (cli_lens.cpp). The lambdas that run these subcommands own the parsed
-/// options.
+/// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas run the subcommands and own the parsed options.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
-/// Adds `sweep` (cli_sweep.cpp). The lambda that runs it owns the parsed options.
+/// Adds `sweep` (cli_sweep.cpp). A lambda runs the command and owns the parsed options.
 void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>

@@ -31,8 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Sets `speak`, so that a line is printed after each frame unless --quiet or --json is given. Then
-    /// returns the options of --frames.
+    /// Sets `speak`, so that a line is printed after each frame, unless --quiet or --json is given. Returns
+    /// the options of --frames.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;

@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-// Marks tell what the value of an option is, for example the name of an input file. CLI11 cannot store marks.
-// Each mark is therefore the name of a validator that accepts every value.
+// A mark states what the value of an option is, for example the name of an input file. CLI11 cannot store
+// marks, so each mark is stored as the name of a validator that accepts every value.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -103,8 +103,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // These options do not change the result, only where and how fast it is computed, and which messages are
-    // printed.
+    // Options that do not change the result. They change only where and how fast it is computed, and which
+    // messages are printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -116,8 +116,8 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // With --frames, only positional arguments and these options may name a different input file for each
-        // frame.
+        // With --frames, the input files can differ from frame to frame only in positional arguments and
+        // these options.
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);

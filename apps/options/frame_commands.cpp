@@ -41,8 +41,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Limits a command to its share of the rows of the image, by setting the crop. Also stores a mark by which
-/// `merge` recognises the result. Does nothing with --frames, because a share then consists of whole frames.
+/// If several machines divide an image, limits the crop to this machine's rows. Also stores a mark by which
+/// `merge` recognises the result. Does nothing with --frames, because the machines then make whole frames.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -56,8 +56,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share would divide an image that cannot be divided: one with --explain, or one for which the
-/// method auto measures errors (`decides`). With --frames, --share selects whole frames and divides no image.
+/// Throws if several machines are to divide (--share) an image that must be made as a whole: with --explain,
+/// or by the method auto with measured errors (`decides`). With --frames, each image is made by one machine.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -119,8 +119,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains the exposure and `made_by`: the member `focus` if `options` has one,
-/// otherwise `options`.
+/// Returns the struct with the exposure and `made_by`: the member `focus` if there is one, else `options`
+/// itself.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {

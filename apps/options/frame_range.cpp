@@ -63,7 +63,7 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // Rows are written in order. So the file is complete if the last row can be read, for each recorded
+        // Rows are written in order. So the file is complete if the last row can be read at each recorded
         // instant.
         const SampleFileReader file(path);
         RecordBand band;
@@ -86,19 +86,19 @@ std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? "" : json_dump(made_by);
 }
 
-/// Returns why an existing output must be made again: the first setting in its file that differs from the
-/// command. Returns an empty text if all settings agree.
+/// Returns why an existing output must be made again: the first setting stored in its file that differs from
+/// the command. Returns an empty text if all settings agree.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // The settings in the file were written by `text_of`, which replaces invalid UTF-8. The same is done
-    // here, so that equal settings compare equal.
+    // `text_of` replaced invalid UTF-8 in the stored settings. It is applied here too, so that equal settings
+    // compare equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames. Of the warnings with the same code, only the first is listed, with
-/// the number of other frames that have this warning.
+/// Collects the warnings of all frames. If several frames have a warning with the same code, only the first
+/// is listed, with the number of the others.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

@@ -16,9 +16,9 @@ namespace postlens {
 /// names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
-/// A file name with placeholders for the frame number. A placeholder is %d, or for example %04d for 4 digits
-/// with leading zeros. If the name contains neither and `hashes` is set, a run of # in the last part of the
-/// path is a placeholder. Each # then stands for a digit.
+/// A file name with placeholders for the frame number: %d, or for example %04d for 4 digits with leading
+/// zeros. If there is none and `hashes` is set, a run of # in the last part of the path is a placeholder,
+/// with one # for each digit.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -26,8 +26,7 @@ class FrameName {
     [[nodiscard]] std::string of(int frame) const;
 
   private:
-    /// The text before, between and after the placeholders. There is one entry more than there are
-    /// placeholders.
+    /// The text before, between and after the placeholders: one entry more than there are placeholders.
     std::vector<std::string> words_;
     std::vector<int> digits_;  ///< least number of digits of each placeholder
 };

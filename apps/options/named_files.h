@@ -12,7 +12,7 @@ struct NamedFile {
     std::string option;  ///< name of the option for messages
     std::string path;
     bool written = false;
-    /// With --frames, `numbered` allows placeholders for the frame number in the file name. `hashes` also
+    /// `numbered` allows placeholders such as %04d for the frame number, if --frames is given. `hashes` also
     /// allows # as a placeholder (frame_range.h).
     bool numbered = false, hashes = false;
 };

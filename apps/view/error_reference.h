@@ -18,7 +18,7 @@ struct HalvedImage {
 struct ErrorReference {
     Image image;
     int spp = 0;
-    /// Standard deviation of the noise of each pixel in sRGB values, estimated from the pixels around it.
+    /// Standard deviation of the noise of each pixel, in sRGB values, averaged over the neighbouring pixels.
     std::vector<float> noise;
 };
 
@@ -26,8 +26,8 @@ struct ErrorReference {
 /// an image with the given number of rays per pixel, which is even.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Prevents noise of the reference from counting as an error of `image`. If a pixel differs from the
-/// reference by at most three standard deviations of the noise, its colour is copied to the reference. Throws
+/// Prevents noise of the reference from counting as an error of `image`. Where the two differ by at most
+/// three standard deviations of the noise, the image's colour is copied to the reference. Throws
 /// Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 

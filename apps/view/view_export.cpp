@@ -46,8 +46,8 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Returns focus distances in metres, from near to far. They are quantiles of the depths of all pixels, so
-/// most of them lie at depths that many pixels show. A distance may be infinite.
+/// Returns focus distances in metres, from near to far, some perhaps infinite. They are quantiles of the
+/// depths of all pixels, so most of them lie at depths that many pixels show.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -60,7 +60,7 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns a grey image of inverse depths, from which the page finds the depth of a clicked position. Black
+/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black
 /// means infinity, and white the inverse depth `greatest`. The image is a quarter as wide and high as the
 /// frame.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
@@ -83,7 +83,7 @@ EncodedPicture depth_map(const std::vector<float>& inverse, int width, int heigh
     return out;
 }
 
-/// How many images the page contains, and by which factor they are scaled down.
+/// The number of images on the page, and the factor by which they are scaled down.
 struct Plan {
     int focus_distances = 9, f_numbers = 3, shrunk_by = 1;
     [[nodiscard]] int pictures() const { return focus_distances * f_numbers; }
@@ -107,7 +107,7 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // A negative value means that no lens can focus on the surface. It is replaced by 0, which means
+        // No lens can focus on a surface with a negative inverse distance. It is replaced by 0, which means
         // infinity.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));

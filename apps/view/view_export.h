@@ -1,4 +1,4 @@
-// `view --export` writes the viewer as one HTML page, which needs neither postlens nor a server.
+// Writes the viewer as one HTML page (`view --export`), which needs neither postlens nor a server.
 #pragma once
 
 #include <string>

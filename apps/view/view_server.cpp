@@ -20,8 +20,8 @@ std::string random_token() {
     return out;
 }
 
-/// Returns true for a loopback address with any port. The port may differ from the server's if the user
-/// reaches the server through a tunnel (`ssh -L`).
+/// Returns true for a loopback address with any port. If the user reaches the server through a tunnel (`ssh
+/// -L`), the port differs from the server's.
 bool is_local(const std::string& host) {
     const std::size_t colon = host.rfind(':');
     const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;

@@ -47,8 +47,8 @@ void append_halves(std::string& out, const std::vector<float>& values) {
     append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
-/// Returns the beginning of a reply with binary data: the length of the JSON text, the text, and zeros up to
-/// a multiple of 4 bytes. Memory is reserved for the data, which will take `bytes` bytes.
+/// Returns the beginning of a reply with binary data: the length of the JSON text, the text itself, and zeros
+/// up to a multiple of 4 bytes. Memory is reserved for the `bytes` bytes of data that follow.
 ViewReply reply_with(const Json& json, std::size_t bytes) {
     const std::string text = json_dump(json);
     ViewReply out{.type = "application/octet-stream"};
@@ -70,8 +70,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // Of the data in `plan`, the viewer's page needs only the noise of each tile (a square of the image).
-        // The rest is not sent.
+        // The viewer's page needs only the noise of each tile (a square of the image). All other data in
+        // `plan` are left out.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -154,8 +154,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method with this name, or an empty value if there is none. For `auto`, returns `hybrid`,
-/// because both methods reproject the records and trace rays into the scene.
+/// Returns the method with this name, or an empty value if there is none. `auto` becomes `hybrid`, because
+/// both reproject the records and trace rays into the scene.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -335,9 +335,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. If the last image had the same parameters,
-/// it is returned again. Otherwise, the file is opened a second time, so that this work does not block other
-/// requests, which share the open file.
+/// Returns the image that `picture` makes with these parameters. If they are those of the last image, that
+/// image is returned. Otherwise, the file is opened a second time, so that requests that use the open file
+/// need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

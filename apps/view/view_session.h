@@ -34,9 +34,8 @@ struct ViewReply {
     std::string body;
 };
 
-/// Answers requests from any thread. A new request for an image cancels an older one that is not yet
-/// finished. An error becomes a reply with status 400 and {"error": text}. If the work was cancelled, the
-/// status is 409.
+/// Answers requests from any thread. A new request for an image cancels an older, unfinished one. An error
+/// becomes a reply with status 400 and {"error": text}. If the work was cancelled, the status is 409.
 class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);
@@ -49,8 +48,8 @@ class ViewSession {
     /// float per pixel follows: the fraction of the pixel's colour that comes from rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Each
-    /// of its pixels is as wide as "by" pixels of the frame, where "by" is a number in the JSON. Refuses the
-    /// parameters crop and focus-at, and images of other programs.
+    /// of its pixels is as wide as "by" pixels of the frame, a number in the JSON. The parameters crop and
+    /// focus-at are refused, and so are images of other programs.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image of the scene made by `render`, that is, only by rays, in the format of `picture`.
     /// Cancels older requests for images by `render`, but no other requests.
@@ -75,7 +74,7 @@ class ViewSession {
     void stop();
 
   private:
-    /// State of one kind of request. Of each kind, only one request runs at a time.
+    /// State of one kind of request. Only one request of each kind runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`

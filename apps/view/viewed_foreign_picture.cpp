@@ -13,7 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples of a pixel that are sent to the page. A pixel of a volume may have thousands.
+/// Largest number of samples of a pixel that are sent to the page. A pixel that shows smoke may have
+/// thousands.
 constexpr std::size_t most_nodes = 64;
 
 /// Returns a distance in metres for JSON. Null means infinity.
@@ -23,7 +24,7 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// Reads the image with the default options of `focus`, so that the page shows the depths that --focus-at
+    /// Reads the image with the default options of `focus`, so that the page shows the depths that `focus`
     /// uses.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
@@ -73,8 +74,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // The samples are sorted by their light. Black samples have none, so a tiny multiple of alpha
-            // sorts them by how much of the pixel they cover.
+            // Samples are sorted by their light. Black samples are sorted by how much of the pixel they
+            // cover, so the light is at least a tiny multiple of alpha.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -94,8 +95,8 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// Returns the lens from the options, or else from the file. Returns an empty value if the f-number or
-    /// the focus distance is missing.
+    /// Returns the lens from the options or, where these are absent, from the file. Returns an empty value if
+    /// the f-number or the focus distance is missing.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;

@@ -30,16 +30,18 @@ class ViewedFrame {
     ///   infinity is the text "inf".
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
-    /// Returns what the pixel at a raster position shows, as JSON. "nodes" lists the surfaces that are seen
-    /// there, also by reflection or refraction, sorted by their share of the pixel's light. Each has "share",
-    /// "id", "name", "z_m" and, if the lens is known, "coc_px". "clicked" is the surface on which a click
-    /// focuses. It has "name" and "focus_m", where null means infinity. It is null if the file stores nothing
-    /// there. Throws Error(wrong_arguments) if the position or the lens is out of range.
+    /// Returns what the pixel at a raster position shows, as JSON:
+    /// - "nodes" lists the surfaces seen directly, by reflection or by refraction, sorted by their share of
+    /// the
+    ///   light. Each has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
+    /// - "clicked" is the surface on which a click focuses, with "name" and "focus_m" (null means infinity),
+    /// or
+    ///   null if the file stores nothing there.
+    /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
     /// Returns the sample file, which stays open for further images, or null for another program's image.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
-    /// A sample file for quick images of the frame. Its pixels are `by` times as wide and as high as those of
-    /// the frame.
+    /// A sample file for quick images. Its pixels are `by` times as wide and high as those of the frame.
     struct Records {
         std::string input;
         std::shared_ptr<KeptFrame> kept;

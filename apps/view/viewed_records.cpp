@@ -17,8 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The combined hits of a pixel's samples on the same object, by the same sequence of reflections and
-/// refractions.
+/// All hits of a pixel's samples on one object, by the same sequence of reflections and refractions.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -85,8 +84,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means that the surface is in focus at infinity. If the inverse distance is negative, no
-            // lens can focus on the surface, and null is used as well.
+            // Null means focus at infinity. It is also used if the inverse distance is negative, because no
+            // lens can focus on the surface.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
@@ -98,7 +97,8 @@ class ViewedRecords : public ViewedFrame {
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // A frame of this size is small enough for quick images: two cores make one in about 50 ms.
+        // A frame up to these limits needs no reduced copy: two cores make a quick image of it in about 50
+        // ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;
