@@ -99,8 +99,8 @@ struct RetraceOptions {
     std::optional<double> lumens_per_watt;  ///< if absent, the sample file's value
 };
 
-/// Throws Error(wrong_arguments) if a unit of the scene (metres_per_unit, lumens_per_watt) is given without a
-/// scene. It would have no effect, because sample files do not use these units.
+/// Throws Error(wrong_arguments) if the options state a unit of the scene (metres_per_unit, lumens_per_watt)
+/// but no scene. The unit would have no effect.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.

@@ -1,5 +1,5 @@
-// Divides the work of a command between several machines, each of which computes one share. Its result file
-// contains a description (mark), by which `merge` recognises the share.
+// Divides the work of a command between several machines, each of which computes one share. The result file
+// of a share contains a description (mark), by which `merge` recognises the share.
 #pragma once
 
 #include <cstdint>

@@ -158,8 +158,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` compares the image's errors against the two references (--noise): their difference, in
-    // standard errors. Noise alone hardly ever makes it larger than 4 or smaller than -4.
+    // `preference` is the difference between the image's errors against the two references (--noise), in
+    // standard errors. Noise alone hardly ever makes its absolute value larger than 4.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",

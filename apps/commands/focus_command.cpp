@@ -51,9 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // The sample file's f-number is the film distance divided by the aperture diameter, so the f-number of
-    // `lens` is converted from focal length to film distance. The focus distance is not compared, because it
-    // does not change which hidden surfaces a lens sees.
+    // In the sample file, the f-number is the film distance divided by the aperture diameter. In `lens`, it
+    // is the focal length divided by this diameter, so it is converted here. The focus distance is not
+    // compared, because it does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;

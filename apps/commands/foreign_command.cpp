@@ -217,8 +217,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The camera does not get the focal length of a lens prescription, because the image was rendered with
-    // another lens.
+    // A lens prescription states the focal length of the simulated lens, not that of the camera that rendered
+    // the image.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;

@@ -107,8 +107,8 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // No lens can focus on a surface with a negative inverse distance. It is replaced by 0, which means
-        // infinity.
+        // No lens can focus on a surface with a negative inverse distance. The value is replaced by 0, which
+        // means infinity.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         // The size of all images in bytes is estimated from a single image at the middle focus distance.

@@ -48,8 +48,8 @@ class ViewSession {
     /// float per pixel follows: the fraction of the pixel's colour that comes from rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Each
-    /// of its pixels is as wide as "by" pixels of the frame, a number in the JSON. The parameters crop and
-    /// focus-at are refused, and so are images of other programs.
+    /// of its pixels is as wide as N pixels of the frame, where N is the number "by" in the JSON. The
+    /// parameters crop and focus-at are refused, and so are images of other programs.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image of the scene made by `render`, that is, only by rays, in the format of `picture`.
     /// Cancels older requests for images by `render`, but no other requests.

@@ -32,11 +32,9 @@ class ViewedFrame {
     [[nodiscard]] virtual ImageDepths depths() const = 0;
     /// Returns what the pixel at a raster position shows, as JSON:
     /// - "nodes" lists the surfaces seen directly, by reflection or by refraction, sorted by their share of
-    /// the
-    ///   light. Each has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
-    /// - "clicked" is the surface on which a click focuses, with "name" and "focus_m" (null means infinity),
-    /// or
-    ///   null if the file stores nothing there.
+    ///   the light. Each has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
+    /// - "clicked" is the surface on which a click focuses, with "name" and "focus_m" (null means infinity).
+    ///   It is null if the file stores nothing there.
     /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
     /// Returns the sample file, which stays open for further images, or null for another program's image.
