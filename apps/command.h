@@ -173,8 +173,8 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// Interval in which the shutter is open. If it is absent, the shutter opens at the instant of the frame,
-    /// and stays open as long as the sample file states.
+    /// Interval, in seconds, in which the shutter is open. Default: from the instant of the frame, for the
+    /// exposure time that the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -199,8 +199,8 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// Interval in which the shutter is open. If it is absent, the shutter opens at the instant of the frame,
-    /// and stays open as long as the sample file states.
+    /// Interval, in seconds, in which the shutter is open. Default: from the instant of the frame, for the
+    /// exposure time that the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;

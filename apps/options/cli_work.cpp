@@ -1,4 +1,4 @@
-// Options that divide the work of a command into frames or shares, or that predict the cost of the work.
+// Options that divide the work of a command between frames or machines, or that predict its cost.
 #include <limits>
 
 #include "apps/numbers.h"
