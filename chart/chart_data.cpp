@@ -265,13 +265,14 @@ std::string chart_markdown(const ChartData& data) {
             db_text(p.figures->affected), p.figures->relmse,
             p.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * p.retraced_share) : "", equal, factors);
     }
-    out += fmt::format("\n{:.0f} % of the pixels are affected.", 100 * data.affected_share);
+    out +=
+        fmt::format("\nThe lens or the shutter affects {:.0f} % of the pixels.", 100 * data.affected_share);
     if (data.noise_rms)
         out += fmt::format(" The reference took {:.3g} s. Its own noise corresponds to a PSNR of {:.1f} dB.",
                            data.reference_s, -20 * std::log10(*data.noise_rms));
     if (data.record_floor)
         out += fmt::format(
-            " The pinhole picture made from the records has {} dB against the pinhole picture made by "
+            " The pinhole image made from the records has a PSNR of {} dB against the pinhole image made by "
             "rays.",
             db_text(*data.record_floor));
     out += "\n\n| trace | s | million records | MB |\n|---|---|---|---|\n";

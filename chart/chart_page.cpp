@@ -40,9 +40,11 @@ std::string what_text(const ChartData& data) {
                            a.at("shutter_s")[1].get<double>());
     out += fmt::format(". Reference: {}", a.at("reference").get<std::string>());
     if (data.noise_rms) out += fmt::format(", good to {:.1f} dB", -20 * std::log10(*data.noise_rms));
-    out += fmt::format(". {:.0f} % of the pixels are affected; the pinhole picture is at {:.1f} dB",
-                       100 * data.affected_share, data.pinhole_psnr_db);
-    if (data.record_floor) out += fmt::format("; the records end at {:.1f} dB", data.record_floor->psnr_db);
+    out += fmt::format(
+        ". The lens or the shutter affects {:.0f} % of the pixels; the pinhole image has a PSNR of {:.1f} dB",
+        100 * data.affected_share, data.pinhole_psnr_db);
+    if (data.record_floor)
+        out += fmt::format("; the records limit the PSNR to {:.1f} dB", data.record_floor->psnr_db);
     return out + ".";
 }
 

@@ -80,11 +80,11 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
 /// Returns the caption of a case: its scene and camera, the fraction of pixels that differ from the pinhole
 /// image, and the fraction of the error that is attributed to the expected cause.
 std::string caption(const AtlasEntry& e) {
-    std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
+    std::string out = fmt::format("Scene {}. {:.0f} % of the pixels differ from the pinhole image.",
                                   view_text(e.what.view), 100 * e.result.affected_share);
     if (e.result.named_share) {
-        out += fmt::format("; {:.0f} % of the squared error is attributed to {}", 100 * *e.result.named_share,
-                           e.what.cause);
+        out += fmt::format(" The cause {} accounts for {:.0f} % of the squared error.", e.what.cause,
+                           100 * *e.result.named_share);
     }
     return out;
 }
