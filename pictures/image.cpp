@@ -65,7 +65,7 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// If an image is a crop, `crop` is its position in the whole image.
+/// `crop` is the position of an image in the whole image, if the image is a crop.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
@@ -185,8 +185,7 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// The display window, in the coordinates of the file. For a file that is a crop, the data window is
-    /// used.
+    /// The display window, in the coordinates of the file, or the data window if the file is a crop.
     int x = 0, y = 0, width = 0, height = 0;
 };
 

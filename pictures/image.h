@@ -21,8 +21,8 @@ struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
-    /// `rgb` is radiance times 2^exposure_stops. The exposure is absent if it is unknown, as in PNG, TIFF or
-    /// JPEG files that other programs wrote.
+    /// Exposure of the image: `rgb` is radiance times 2^exposure_stops. Empty if the exposure is unknown, as
+    /// in PNG, TIFF or JPEG files that other programs wrote.
     std::optional<double> exposure_stops = 0.0;
     /// An additional channel with one value per pixel. The exposure does not affect these values.
     struct Plane {
@@ -103,12 +103,12 @@ enum class PictureValues {
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first three channels of the first part of any file that OpenImageIO can read, or the first
-/// channel as grey if there are fewer than three. Integer values and values tagged as sRGB are converted to
-/// scene-linear.
+/// Reads the first part of any file that OpenImageIO can read. The image gets its first three channels, or
+/// the first one as grey if there are fewer than three. Integer values, and values tagged as sRGB, are
+/// converted to scene-linear.
 ///
-/// The result covers the display window. Pixels outside the window are dropped, and pixels that the file does
-/// not store are black. For a crop (see write_image), the result is only the crop. Throws
+/// The image covers the display window, or only the crop if the file is a crop (see write_image). Stored
+/// pixels outside are dropped, and pixels that the file does not store are black. Throws
 /// Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);

@@ -11,8 +11,8 @@
 namespace postlens {
 
 /// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can later be
-/// joined with others. The file then contains exactly the image's values, from which the exposure is not
-/// removed. `mark` is a JSON object of the caller. It is stored in the header, together with the exposure.
+/// joined with others. The file then contains exactly the image's values, including its exposure. `mark` is a
+/// JSON object of the caller. It is stored in the header, together with the exposure.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {

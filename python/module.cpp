@@ -19,8 +19,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command. `json` is its report. `pictures` holds the images that it did not write to files.
-/// A warning has a code, a text and the fraction of the pixels that it concerns.
+/// The result of a command. `json` is its report, and `pictures` are the images that it did not write to
+/// files. Each warning has a code, a text and the fraction of the pixels that it concerns.
 struct Outcome {
     std::string json;
     py::object text;

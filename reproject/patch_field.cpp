@@ -25,9 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// True if tracing rays is faster than drawing the reflected and transmitted patches (planar parts of
-    /// surfaces) of the current piece (square of the image), because there are so many. Empty until it is
-    /// computed.
+    /// Whether the current piece (square of the image) has so many reflected and transmitted patches (planar
+    /// parts of surfaces) that tracing rays is faster than drawing them. Empty until it is computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -42,13 +41,13 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Number of views (images for one lens point each) that are drawn between two tests for cancellation. A tile
-/// can have thousands of views, so one test per tile would be too rare.
+/// Number of views (images for one lens point each) between two tests whether the user has cancelled the
+/// work. A tile can have thousands of views, so one test per tile would be too rare.
 constexpr std::size_t views_between_looks = 64;
 
 /// Number of views after which rays may replace all samples with reflections or refractions. They do so if
-/// the recorded data were insufficient for more than half of these samples so far. Drawing the others from
-/// records would then take longer than tracing rays.
+/// the records were insufficient for more than half of these samples so far. Tracing rays is then faster than
+/// drawing the others from records.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -107,8 +106,8 @@ class Field {
         }
     }
 
-    /// Collects the patches (planar parts of surfaces) that views may show in the rectangle `rect` of a tile,
-    /// unless an earlier call has already done so. `rays` is the ray tracer that the views use, or null.
+    /// Collects the patches (planar parts of surfaces) that may appear in the rectangle `rect` of a tile,
+    /// unless an earlier call has done so. `rays` is the ray tracer that the views use, or null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -257,8 +256,8 @@ class Field {
         }
     }
 
-    /// Clears the pixels in which a surface outside the recorded part of the raster may hide what the view
-    /// sees. Nothing is known about such surfaces.
+    /// Clears the pixels in which an unrecorded surface, from outside the recorded part of the raster, may
+    /// hide what the view sees.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -280,8 +279,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // If highlights reach the tile (`lights`), recorded surfaces may hide them. The surfaces are then
-        // drawn even if rays replace all samples of the tile.
+        // Recorded surfaces may hide highlights that reach the tile (`lights`). They are then drawn even if
+        // rays replace all samples of the tile.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -326,8 +325,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and the
-    /// lens must transmit light to all of its pixels (`passes` is empty).
+    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and
+    /// `passes` must be empty, so that the lens transmits light to all pixels.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -336,7 +335,7 @@ class Field {
     }
 
     /// Adds those pixels of a view that come from its recorded instant `u`. Unlike add_all, this function
-    /// handles views with two recorded instants and pixels to which the lens transmits no light.
+    /// also handles views with two recorded instants, and pixels to which the lens transmits no light.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;
@@ -360,7 +359,7 @@ class Field {
     }
 
     /// Adds the light that the visible surface reflects and transmits in pixel k. `texel` is the index of the
-    /// recorded colour that the pixel shows.
+    /// surface's recorded colour.
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

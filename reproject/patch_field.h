@@ -30,8 +30,8 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// For each class of objects that move alike, the motion from the recorded instant to the view's
-        /// instant. Empty if nothing moves.
+        /// The motions from the recorded instant to the view's instant, one for each class of objects that
+        /// move alike. Empty if nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
@@ -39,8 +39,8 @@ struct PatchView {
     /// Returns whether the lens transmits light to the pixel (x, y) of the image. Pixels without light are
     /// black. If the function is empty, all pixels get light.
     std::function<bool(int x, int y)> passes;
-    // Lens point, instant and indices of the rays of this view, as in SightLine (`number` is
-    // SightLine::view). Only used if rays are traced.
+    // Lens point, instant and indices of this view's rays. The members correspond to those of SightLine
+    // (`number` to SightLine::view). Only used if rays are traced.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -65,43 +65,43 @@ enum class LeftToRays : std::uint8_t {
 /// A set of views. The mean of the views is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Selects the pieces of the image that this set of views draws. A piece is a square with an edge of
-    /// PatchField::piece_px. If the function is empty, the set draws all pieces. Pieces that no set draws
-    /// stay black, and PatchPicture::unknown is 1 there.
+    /// Selects the pieces (squares with an edge of PatchField::piece_px) of the image that this set of views
+    /// draws. If the function is empty, the set draws all pieces. Pieces that no set draws stay black, with
+    /// PatchPicture::unknown = 1.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// Adds the light of highlights (bright spots that the lens spreads over many pixels) to the image. The
-    /// surfaces that the views see determine which highlights are hidden. Several threads call it at the same
-    /// time. Null if there are no highlights.
+    /// surfaces that the views see may hide highlights. Several threads call it at the same time. Null if
+    /// there are no highlights.
     const class Lights* lights = nullptr;
     /// Traces the rays that replace samples whose colour the records do not determine. If null, all samples
     /// keep their recorded colours.
     const SightRays* rays = nullptr;
-    /// Returns which samples are replaced by rays in the square piece of the image that contains the pixel
-    /// (x, y). Only used if `rays` is set. If the function is empty, rays replace only samples whose colour
-    /// the records do not determine (LeftToRays::unsure).
+    /// Returns which samples rays replace in the piece (square) of the image that contains the pixel (x, y).
+    /// Only used if `rays` is set. If the function is empty, rays replace only samples whose colour the
+    /// records do not determine (LeftToRays::unsure).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Selects the views whose sample in pixel (x, y) is compared with a ray, and appends their indices to
+    /// Selects the samples of pixel (x, y) that are compared with rays: appends the indices of their views to
     /// `views`. The results are stored in PatchPicture::checks and do not change the image. Only used if
     /// `rays` is set. If the function is empty, no samples are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Selects pixels for an additional check of their highlights, by rays that are aimed at the highlights.
-    /// Returns the probability with which the pixel (x, y) was selected, or 0 if it was not selected. Only
-    /// used together with `checked`. If the function is empty, no pixel is selected.
+    /// Selects pixels whose highlights are also checked by rays that are aimed at the highlights. Returns the
+    /// probability with which the pixel (x, y) was selected, or 0 if it was not selected. Only used together
+    /// with `checked`. If the function is empty, no pixel is selected.
     std::function<double(int x, int y)> aimed;
     /// Index of the image that this set of views draws, in the argument `out` of patch_field. Sets that draw
-    /// the same image must draw different pieces of it.
+    /// one image together must draw different pieces of it.
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Returns the class to which an object belongs. All objects of a class move alike. Only called if
-    /// objects move or if `class_marks` is not empty.
+    /// Returns the motion class of an object. All objects of a class move alike. Only called if objects move
+    /// or if `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Bits that mark moving objects in PatchPicture::touched, for each class of objects that move alike. A
-    /// pixel gets the bits of all objects that views see in it. A class that does not move in any view has no
-    /// bits. If the list is empty, `touched` is not computed.
+    /// For each class of objects that move alike, the bits that mark it in PatchPicture::touched. A pixel
+    /// gets the bits of all objects that views see in it. A class that does not move in any view has no bits.
+    /// If the list is empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// Edge of a piece (square of the image that is drawn as one task), in px. It is SeenTile::edge divided
@@ -111,14 +111,13 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The part of the raster that has records: its first pixel, and one past its last pixel. A surface that
-    /// continues outside this part may hide what a view sees. With rays or moving objects, pixels in which
-    /// this may happen count as unknown. If both values are equal, this is not tested. Must be set if a set
-    /// of views has rays.
+    /// The recorded part of the raster: its first pixel, and one past its last pixel. Unrecorded surfaces
+    /// outside it may hide what a view sees. With rays or moving objects, pixels in which this may happen
+    /// count as unknown. If both values are equal, nothing is tested. Must be set if a set of views has rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// The extent of the lens: the largest |x| and |y| of a lens point, in px m (lens point in m, times film
-    /// distance / pixel pitch). Patches that are visible from any such point are collected, not only those
-    /// that the views see. Must be set if `lights` uses TileViews::patches or if there are rays.
+    /// distance / pixel pitch). Patches that are visible from any such point are collected, even if no view
+    /// sees them. Must be set if `lights` uses TileViews::patches or if there are rays.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -135,9 +134,9 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// The highlights of an image. If the radiance of a reprojected surface exceeds a limit, the excess is
-/// removed from the surface and becomes a highlight. The highlight's impulse response (the image of a point,
-/// seen through the lens) spreads this light over the pixels.
+/// The highlights of an image. The radiance of a reprojected surface above a limit is removed from the
+/// surface and becomes a highlight. The lens spreads this light over the pixels by the highlight's impulse
+/// response (point spread function).
 class Lights {
   public:
     Lights() = default;
@@ -149,13 +148,13 @@ class Lights {
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
     /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels. The first three are the
-    /// light of the highlights: r, g and b. The fourth is the squared radiance of the highlights in the
+    /// light of the highlights in r, g and b. The fourth is the squared radiance of the highlights in the
     /// brightest channel, averaged over rays through the lens.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A line of sight from a pixel to a highlight. The light of the highlight arrives along this line unless
-    /// a surface blocks it. The light of all highlights in the pixel is the mean, over such lines, of `scale`
-    /// times the radiance that arrives.
+    /// A line of sight from a pixel to a highlight, whose light arrives along the line unless a surface
+    /// blocks it. The light of all highlights in the pixel is the mean, over such lines, of `scale` times the
+    /// arriving radiance.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -171,15 +170,15 @@ class Lights {
 };
 
 /// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
-/// the recorded radiance. If the image already uses the ray instead of the record, the residual is 0.
+/// the recorded radiance. It is 0 if the image uses the ray instead of the record.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    /// `highlights` is the light of the highlights in this pixel of the image, scene-linear. To measure its
-    /// error, `aimed` rays are traced towards the highlights. `aimed_sum` is the sum of the light along these
-    /// rays.
+    /// `highlights` is the light of the highlights in this pixel of the image, scene-linear. Its error is
+    /// measured by `aimed` rays that are traced towards the highlights. `aimed_sum` is the sum of their
+    /// light.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;
@@ -197,8 +196,8 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted share of the views in which a reflected or transmitted surface should be visible
-    /// but is not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
+    /// Per pixel: weighted share of the views that need a reflected or transmitted surface that is not
+    /// recorded. Surfaces that are dim in the whole tile count less (TreeSums).
     std::vector<float> unknown_below;
     /// Per pixel: weighted share of the views whose samples come from rays. Empty for sets without rays.
     std::vector<float> traced;
@@ -207,8 +206,8 @@ struct PatchPicture {
     /// Per pixel: mean squared radiance of the highlights (the fourth value of Lights::add). Empty if there
     /// are no highlights.
     std::vector<float> light_square;
-    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded there or that a
-    /// view sees there. All bits are set if a view sees something that is not recorded. If no bit is set, all
+    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded or seen by a
+    /// view there. All bits are set if a view sees something that is not recorded. If no bit is set, all
     /// views see the surface that is recorded at this pixel.
     std::vector<std::uint8_t> touched;
 };

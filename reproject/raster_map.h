@@ -38,9 +38,9 @@ class RasterMap {
 
     /// Returns the image of a point, or nothing if the image lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the map around the point `p` of a surface, which extends from `p` by `reach` px in both
-    /// directions of each axis. `slope` is the change of the surface's inverse depth per px to the right and
-    /// per px down. Returns nothing if a part of the mapped surface lies behind the camera.
+    /// Linearises the map around the point `p` of a surface. The surface extends from `p` by `reach` px in
+    /// both directions of each axis. `slope` is the change of its inverse depth per px to the right and per
+    /// px down. Returns nothing if any part of the mapped surface lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -53,10 +53,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// The shift of a surface's image on the raster when it is seen from one lens point instead of the pinhole.
-/// It is `(1/s I - W) lens_px + offset_px`. Here s is the focus distance, and I is the unit matrix. W is a
-/// 2x2 matrix, stored with the surface's record. It describes how the image of the surface moves with the
-/// lens point. A surface at depth z' that is seen directly has W = I / z'.
+/// Shift of a surface's image on the raster from the pinhole's view to that of a lens point: `(1/s I - W)
+/// lens_px + offset_px`, with the focus distance s and the unit matrix I. W is a 2x2 matrix in the surface's
+/// record. It describes how the image moves with the lens point. A directly visible surface at depth z' has W
+/// = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -74,7 +74,7 @@ struct LensShift {
 /// point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motions of all objects on the raster. Initially, these are the motions stored in the file's header.
+/// The motions of all objects on the raster, initially those in the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
@@ -87,9 +87,9 @@ class FrameMotion {
     /// Replaces the rigid motion of one object in the world. The motion of the camera stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the map of the object `id` from the raster at one instant to the raster at another. `id` 0 is
-    /// the background at infinity. The map is exactly the identity if neither the object nor the camera moves
-    /// between the two instants.
+    /// Returns the map that moves points of the object `id` on the raster from one instant to another. `id` 0
+    /// is the background at infinity. The map is exactly the identity if neither the object nor the camera
+    /// moves between the two instants.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
     /// Returns the sorted instants at which the velocity of the object or of the camera may change abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;

@@ -21,8 +21,8 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the random samples along the ray: points on lights and directions of scattering lobes. `set`
-    /// is the index of a set of views, and `view` is the index of the view in this set. The samples are
+    /// Seed of the random samples along the ray (points on lights, directions of scattering lobes). `set` is
+    /// the index of a set of views, and `view` is the index of the view in this set. The samples are
     /// stratified over the views of a set, and independent between sets.
     std::uint32_t set = 0, view = 0;
 };
@@ -37,10 +37,10 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. The arguments are the node's path
-    /// (sequence of reflections and transmissions), the id of the object that reflects or transmits the node,
-    /// and the id of the object on which the node lies. For a node that is seen directly, `at` is the raster
-    /// position, in px, at which the pinhole sees it. No node is clamped if `of` is empty.
+    /// Returns whether the radiance of a shading-tree node is clamped. `path` is the node's sequence of
+    /// reflections and transmissions. `parent_id` is the object that reflects or transmits the node, and `id`
+    /// is the object on which the node lies. `at` is the raster position, in px, at which the pinhole sees a
+    /// directly visible node. If the function is empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -68,7 +68,7 @@ class SightRays {
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
     /// Writes only the radiance that `trace` leaves out because it is added to the image as highlights
-    /// (`less`). Along line i, only the nodes that of[i] identifies count.
+    /// (`less`). Along line i, only nodes that match of[i] count.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -82,7 +82,7 @@ class SightRays {
     /// are sampled at random there.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// Returns the number of reflected and transmitted patches (planar parts of surfaces) that can be drawn
-    /// in the time that one ray takes. If a piece of the image needs more patches per pixel, rays are traced
+    /// in the time of one ray. If a piece (square) of the image needs more patches per pixel, rays are traced
     /// instead. The number must be equal for all rays of a PatchField.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();

@@ -125,7 +125,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // If the user copies or saves a quick image, the options of the final image are used.
+      // If the user copies or saves a quick, coarse image, the options of the final image are used.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -237,7 +237,8 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // The colour of the cause is drawn over the image. An alpha of 191 (of 255) leaves a quarter of the image visible.
+    // The colour of the cause covers the image with an alpha of 191 (of 255), so that a quarter of the image
+    // stays visible.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {

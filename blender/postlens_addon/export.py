@@ -13,8 +13,8 @@ from .rendered import rendered
 
 # Types of objects that Blender renders and that have no equivalent in glTF.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# A matrix counts as free of shear if its elements change by at most this fraction of its largest scale when the shear
-# is removed.
+# A matrix counts as free of shear if removing its shear changes its elements by at most this fraction of its largest
+# scale.
 SHEAR = 1e-5
 
 
@@ -35,8 +35,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material belongs either to the mesh or to the object. The slots of the object list both kinds, so the
-            # copied mesh gets all of them.
+            # A material may belong to the mesh or to the object. The object's slots list both kinds, so their materials
+            # are copied.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:

@@ -12,8 +12,8 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin rendered around the frame, as a fraction of the frame's shorter side. Light that the lens spreads into
-# the frame from beyond this margin is not rendered, but estimated from pixels within the margin.
+# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light that the lens
+# spreads into the frame from beyond the margin is estimated from pixels within it.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
@@ -109,7 +109,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # The name of the colour space changes with the file format. It cannot be restored if it is empty.
+        # The file format changes the name of the colour space, which is restored afterwards unless it was empty.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),

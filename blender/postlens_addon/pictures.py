@@ -49,8 +49,8 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # The program interprets # and % in a path as placeholders for frame numbers. The path of the folder may contain
-        # such characters, so the program runs in the folder and gets only file names.
+        # The program interprets # and % in a path as placeholders for frame numbers. The folder's path may contain
+        # these characters, so the program runs in the folder and gets only file names.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

@@ -7,7 +7,7 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of Blender's render slot for the renders of `rendered`, whose images are empty. In the current slot, they would
+# Name of the render slot for the renders of `rendered`, whose images are empty. In Blender's current slot, they would
 # replace the user's last render.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders

@@ -46,8 +46,8 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Computes prefix sums of eight bytes in one 64-bit word: adds the word shifted by 1 byte, then the
-    // result shifted by 2 bytes, then that result shifted by 4 bytes. `add` prevents carries between bytes.
+    // Computes prefix sums of eight bytes at a time, in a 64-bit word. The word is added to itself three
+    // times, shifted by 1, 2 and 4 bytes. `add` adds byte by byte, without carries between bytes.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {

@@ -76,9 +76,9 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the pixels of one
-/// chunk of a part: 4 bytes per channel and pixel. Unless `tiled` is true, a tile size in the header is
-/// ignored, because scanline parts may state one, too.
+/// Returns an upper bound, in bytes, of the memory that the OpenEXR library allocates for the pixels of one
+/// chunk: 4 bytes per channel and pixel. A tile size in the header counts only if `tiled` is true, because
+/// scanline parts may also state one.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -103,8 +103,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // If a scanline part has no data window, the OpenEXR library assumes a small one, so its chunks are
-    // small.
+    // The OpenEXR library gives a scanline part without a data window a small one, so its chunks are small.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -22,9 +22,9 @@ class ExrOutput {
     /// file with a single part must be a flat scanline image. `shown_name` is the file name in error
     /// messages.
     ///
-    /// If all chunks have the same known size, `chunk_bytes` is this size. The table of chunk positions is
-    /// then written first, so that the whole file is written from front to back. All functions of this class
-    /// throw Error(cannot_write).
+    /// `chunk_bytes` is the size of a chunk if all chunks have the same size. The table of chunk positions is
+    /// then written first, so the file is written from front to back. All functions of this class throw
+    /// Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);

@@ -25,12 +25,11 @@ inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
 
-/// The view (such as the left eye) and the layer to which a channel, or all channels of one pass, belong.
+/// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
 ///
-/// Programs order the words in names differently. For example, a depth can be LAYER.depth.Z, depth.LAYER.Z,
-/// or a channel Z in a part depth_LAYER. The layer is therefore a set of words: those in the names of the
-/// part and of the channel, except the last word of the channel's name (Z), and words that name the pass
-/// (depth), the view or colours.
+/// Programs order the words in names differently: a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
+/// in a part depth_LAYER. The layer is therefore the set of words in the names of the part and the channel,
+/// without the channel's last word (Z) and without words for the pass (depth), the view or colours.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -63,7 +62,7 @@ struct GroupMatch {
 /// motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns the channel as a candidate for the depth if its name is that of a depth, and otherwise empty.
+/// Returns a candidate for the depth channel if this channel has the name of a depth, and otherwise empty.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -16,7 +16,7 @@ using ChannelNames = std::vector<std::string>;
 /// Returns the first of these names for which the part has a channel, or an empty text if there is none.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
-/// Splits a name after its last dot. The dot belongs to the first part.
+/// Splits a name after its last dot: "left.depth.Z" becomes "left.depth." and "Z".
 [[nodiscard]] std::pair<std::string, std::string> split_channel(const std::string& name);
 
 /// Returns true if one of `some` is among the words.

@@ -18,8 +18,9 @@
 namespace postlens {
 namespace {
 
-/// Largest number of channel groups (NAME00, NAME01, ...) of a Cryptomatte that are read. Each of them
-/// describes two surfaces per pixel. Further surfaces cover too little of a pixel to improve its edges.
+/// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. Each group
+/// describes two surfaces per pixel. Surfaces beyond these 32 cover too little of a pixel to improve its
+/// edges.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -130,8 +131,8 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Returns the position at which a name ends in a manifest written by Cycles, or npos if no id follows the
-/// name. `begin` is the position at which the name begins.
+/// Finds the end of the name that begins at `begin` in a manifest written by Cycles. Returns npos if no id
+/// follows the name.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -265,7 +266,8 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest) {
-    // This parser reports errors without exceptions, and deeply nested JSON does not overflow its call stack.
+    // The parser reports errors without exceptions (`false`). It is not recursive, so deeply nested JSON does
+    // not overflow the call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<ManifestObject> objects;
@@ -307,8 +309,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // If the exponent is 0 or 255, the float is zero, denormal, infinite or NaN. Compositors may change the
-    // bits of such floats.
+    // An exponent of 0 or 255 makes the float zero, denormal, infinite or NaN. Compositors may change the
+    // bits of such floats, so the lowest bit of the exponent is flipped.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

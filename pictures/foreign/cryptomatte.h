@@ -13,9 +13,8 @@
 
 namespace postlens {
 
-/// One rank of a Cryptomatte, which describes one of the surfaces that a pixel shows. A rank has two
-/// channels: an id, stored as the bits of a float, and the fraction of the pixel that the surface covers, 0
-/// to 1.
+/// One rank of a Cryptomatte describes one of the surfaces that a pixel shows. Its two channels contain the
+/// surface's id, stored as the bits of a float, and the fraction of the pixel that the surface covers.
 struct MatteRank {
     std::size_t part = 0;
     std::string id, coverage;

@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// Depth edges that were found along some rows or columns: jumps (between two adjacent pixels) and ramps
-    /// (over several pixels). `mixed` lists the edge pixels whose depth is a mean of two depths.
+    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp
+    /// extends over several pixels. `mixed` lists the edge pixels whose depth is a mean of two depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,8 +107,9 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// Returns true if neighbouring pixels of depths a and b can belong to one surface beside an edge. `step`
-    /// is the change of depth at the edge. Two infinite depths are equal, but their difference is NaN.
+    /// Returns true if neighbouring pixels of depths a and b, beside an edge, can belong to one surface.
+    /// `step` is the change of depth at the edge. a == b is tested because the difference of two infinite
+    /// depths is NaN.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -127,8 +128,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels at the ends of the edge, `begin` and `end`, may themselves be slightly mixed.
-                // The depths of the two surfaces are therefore extrapolated from pixels outside the edge.
+                // The pixels `begin` and `end`, at the ends of the edge, may be slightly mixed. The depths of
+                // both surfaces are therefore extrapolated from pixels outside the edge.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -151,8 +152,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // The depth must change noticeably between the first two pixels and between the last two. Otherwise
-        // the pixel at that end belongs to the surface beside the ramp.
+        // The depth must change noticeably at both ends of the ramp. Otherwise the pixel at that end belongs
+        // to the surface beside the ramp.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -175,8 +176,7 @@ class Mender {
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
         // A pixel can be found twice, along its row and along its column. The result with the larger step is
-        // kept, because a row or column that runs along an edge may contain only mixed depths, and so a
-        // smaller step.
+        // kept: if a row or column runs along an edge, all its depths may be mixed, so its step is too small.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -191,8 +191,9 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Repairs pixels at silhouettes in front of empty space. Their depth is the mean of a finite and an
-    /// infinite depth, and therefore infinite. They get the depth of the nearest opaque surface within 2 px.
+    /// Repairs pixels at silhouettes in front of empty space. The filter has made their depth infinite,
+    /// because it is the mean of a finite and an infinite depth. These pixels get the depth of the nearest
+    /// opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

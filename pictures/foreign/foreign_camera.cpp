@@ -58,8 +58,8 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
     const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
     if (!usable(x) || !(w > 1e-9)) return std::nullopt;
-    // If NDC runs from 0 to 1, the centre of the image is at x = 0.5, and the projection adds 0.5 w to x. If
-    // NDC runs from -1 to 1, it adds nothing.
+    // If NDC runs from 0 to 1, the projection adds 0.5 w to x, because the centre of the image is at x = 0.5.
+    // If NDC runs from -1 to 1, the projection adds nothing.
     const double middle = std::abs(projection[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

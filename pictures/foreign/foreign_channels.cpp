@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels that may contain a pass (such as depth or ids). The callback `add(part, name, out)`
-/// appends a channel to `out` if the channel's name fits the pass.
+/// Lists the channels whose names fit a pass, such as depth or ids. The callback `add(part, name, out)`
+/// appends a channel to `out` if its name fits.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -113,7 +113,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user chooses the ids by name, problems of other id channels are not reported.
+        // If the user names the ids to use, problems of other id channels are not reported.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -186,8 +186,8 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // No channel of the separate depth file has the name of a depth. Its only channel is accepted
-        // instead, or R, Y or V, because some programs write a depth image as grey RGB.
+        // No channel of the separate depth file has the name of a depth. Its only channel is then accepted,
+        // or else R, Y or V, because some programs write a depth image as grey RGB.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers the part of the colours. The part that stores a Cryptomatte must not affect
-            // the choice, so all Cryptomattes get the part of the colours.
+            // match_group prefers candidates in the part of the colours. All Cryptomattes are given this
+            // part, so that the part that stores them does not affect the choice.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -74,8 +74,8 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Colours and depth belong together if these are equal: the part (only for deep images), the stereo view,
-/// and the words of the layer's name.
+/// Colours and depth belong together if three properties agree: the part (only for deep images), the stereo
+/// view, and the words of the layer's name.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {

@@ -94,9 +94,9 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// Checks the sizes that deep chunks claim to have, because the OpenEXR library allocates that much memory
-/// before it reads a chunk. A query of the size moves the position from which the library reads pixels, so
-/// the check opens the file a second time.
+/// Checks the sizes that deep chunks state, because the OpenEXR library allocates that much memory before it
+/// reads a chunk. To query a size moves the library's read position, so the check opens the file a second
+/// time.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

@@ -32,8 +32,8 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
 }
 
 /// Finds edge pixels in which an opaque object covers part of the sky. The sky has a colour but an alpha of
-/// 0, so the alpha of such a pixel is the fraction that the object covers. Returns the fractions of object
-/// and sky for each of these pixels.
+/// 0, so the pixel's alpha is the fraction that the object covers. Returns the fractions of object and sky
+/// for each such pixel.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

@@ -79,8 +79,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A file may store a small crop of a large display window. The window is therefore compared with the size
-    // of the file only if it is implausibly large.
+    // A small file may be a crop of a large display window. The sizes of window and file are therefore
+    // compared only if the window is implausibly large.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -105,11 +105,11 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 }
 
 /// Returns the number of threads that the OpenEXR library may use to read a file, or 0 to read in the calling
-/// thread. `greatest_chunk` is the size of the largest chunk in bytes. The library allocates several chunks
-/// per thread and part, so few threads, or none, are used to save memory.
+/// thread. `greatest_chunk` is the size of the largest chunk in bytes. The number is small to save memory,
+/// because the library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // ForeignFile::read_flat reads bands of rows. A band has only four chunks of ZIP, the most common
-    // compression, so few threads suffice.
+    // ForeignFile::read_flat reads bands of rows. With ZIP, the most common compression, a band has only four
+    // chunks, so two threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -300,8 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is computed from luminance, red and blue by a division by its weight, which must therefore not be
-    // 0.
+    // To compute green from luminance, red and blue, one divides by the weight of green, out[1]. It must not
+    // be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

@@ -19,8 +19,8 @@
 
 namespace postlens {
 
-/// What a part is used for. Parts of the image's own file have the use `picture`. The parts of a separate
-/// file have the use of that file: depth, ids or motion vectors.
+/// What a part is used for: `picture` for parts of the image's own file, otherwise the pass (depth, ids or
+/// motion vectors) that a separate file provides.
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -61,9 +61,9 @@ struct DeepRows {
 };
 
 /// An OpenEXR file, and separate files for its passes (such as depth or ids). Throws Error(invalid_input),
-/// with the name of the file, if the file is damaged or exceeds a limit: 65536 px per edge of a window, 2^29
-/// px per window, 256 MB per chunk. The size of the file also limits how much data it can claim. Throws
-/// Error(out_of_memory) before memory is allocated.
+/// with the name of the file, if the file is damaged, claims more data than its size allows, or exceeds a
+/// limit: 65536 px per edge of a window, 2^29 px per window, 256 MB per chunk. Throws Error(out_of_memory)
+/// before memory is allocated.
 class ForeignFile {
   public:
     explicit ForeignFile(const std::filesystem::path& path);
@@ -126,8 +126,7 @@ class ForeignFile {
     std::unique_ptr<Impl> impl_;
 };
 
-/// A list of channels to read, without duplicates. A channel's number is its index among the values that are
-/// read.
+/// A list of channels to read, without duplicates. A channel's number is its index in the list.
 class ChannelList {
   public:
     /// Adds a channel unless it is already in the list. Returns its number, or empty for an empty name.

@@ -22,16 +22,16 @@ namespace foreign {
 
 /// Data of up to this many bytes are accepted even if the file is small.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// A file that would need a larger compression ratio than this counts as damaged. Deflate reaches at most
-/// 1032.
+/// Largest plausible compression ratio. A file that would need a larger one counts as damaged. Deflate
+/// reaches at most 1032.
 inline constexpr std::uint64_t densest = 4096;
 
 /// Returns the number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// Returns the type in which the OpenEXR library must read a channel. Integers are read as integers, and
-/// their bits are stored in floats. All other channels are read as floats. Throws Error(invalid_input) for a
-/// channel that is missing or subsampled.
+/// Returns the type in which the OpenEXR library must read a channel: integer for integer channels, whose
+/// bits are then stored in floats, and float for all others. Throws Error(invalid_input) if the channel is
+/// missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 

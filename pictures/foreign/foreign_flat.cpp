@@ -68,8 +68,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Returns the first x or y, from `from` on, that is a multiple of the step `every`. Only there, a
-    // subsampled channel has values.
+    // Returns the smallest multiple of the sampling step `every` that is not less than `from`. A subsampled
+    // channel has values only at such x and y.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {

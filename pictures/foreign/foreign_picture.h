@@ -22,8 +22,8 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`, for example for an
-    /// object that the user keeps in focus. If it is negative, `inverse_z` is used.
+    /// Inverse depth, 1/m, from which the circle of confusion is computed instead of `inverse_z`, for example
+    /// for an object that the user keeps in focus. A negative value means that `inverse_z` is used.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -34,13 +34,14 @@ struct StackSample {
 /// rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
-/// no sample is opaque. A stack that ends with an opaque sample yields at most opaque_transmittance, because
-/// nothing is known behind that sample.
+/// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
+/// is opaque. If the last sample is opaque, returns at most opaque_transmittance, because nothing is known
+/// behind it.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
 
-/// Returns the bits of a value of an id channel as an id. If `whole` is true, `value` holds the bits of an
-/// integer. Otherwise it is a float, and NaN and both zeros become 0, which means that there is no id.
+/// Converts a value of an id channel to an id. The id is the bits of `value`, which are those of an integer
+/// if `whole` is true, and otherwise those of a float. The floats 0, -0 and NaN become 0, which means that
+/// there is no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
 /// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
@@ -53,8 +54,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Set only if the surfaces are distinguished
-    /// by depth instead of by id.
+    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Only set if depths, not ids, distinguish
+    /// the surfaces.
     std::optional<float> inverse_z;
 };
 
@@ -72,9 +73,9 @@ struct ForeignPicture {
     std::vector<std::uint64_t> offsets{
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
-    /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
-    /// that each surface covers, the largest of a pixel first. The sample of a mixed pixel has the id of the
-    /// surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
+    /// `mixed` lists, in ascending order, the pixels that show several surfaces. `shares` holds the fraction
+    /// of the pixel that each surface covers, the largest first. The sample of a mixed pixel has the id of
+    /// the surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
@@ -115,9 +116,8 @@ struct ForeignPicture {
     [[nodiscard]] Image flattened() const;
     /// Returns true if all pixels of the display window are opaque.
     [[nodiscard]] bool is_opaque() const;
-    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half.
-    /// Returns infinity if alpha stays below one half. Throws Error(wrong_arguments) outside the stored
-    /// pixels.
+    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
+    /// infinity if it stays below one half. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

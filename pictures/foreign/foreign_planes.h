@@ -12,19 +12,19 @@
 
 namespace postlens {
 
-/// Reads channels of a flat part at the pixels of another part, `onto`. The parts are aligned at the upper
-/// left corners of their display windows. For each row of pixels that both parts store, calls take(pixel,
-/// count, from, values). The row has `count` pixels. The first one has the index `pixel` in `onto`, and the
-/// value values[c][from] in channel c.
+/// Reads channels of a flat part at the pixels of another part, `onto`. The upper left corners of both
+/// display windows coincide. For each row of pixels that both parts store, calls take(pixel, count, from,
+/// values). The row has `count` pixels, and its first pixel has the index `pixel` in `onto`. In channel c,
+/// the row begins at values[c][from].
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the value of a channel for each pixel of part `onto`, row by row. Pixels that `part` does not
-/// store get the value `otherwise`. On sides where `part` reaches the border of the display window, pixels
-/// further out get its outermost value instead. If `converts` is true, the channel contains integers, which
-/// are converted to floats. Throws Error(out_of_memory).
+/// Returns the values of a channel for all pixels of part `onto`, row by row. Pixels that `part` does not
+/// store get the value `otherwise`. However, where `part` reaches the border of the display window, pixels
+/// further out get its nearest value. If `converts` is true, the integers of the channel are converted to
+/// floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -32,7 +32,8 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
 /// How the values of a channel are read:
 /// - number: as floats; integers are converted;
 /// - interpolated: as `number`, and the channel may be subsampled (ForeignFile::read_sampled);
-/// - id: as `number`, but integers are passed as their bits, because a float cannot represent every id.
+/// - id: floats stay floats, but integers are passed as their bits, because a float cannot represent every
+///   id.
 enum class ChannelUse { number, interpolated, id };
 
 /// Reads channels of several parts row by row, as if they were in a single part.
@@ -42,9 +43,9 @@ class JoinedChannels {
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
     /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
-    /// empty name. A channel that was added before for the same use keeps its index. A channel of a part
-    /// other than that of the constructor is read immediately. It is `otherwise` in pixels that its part does
-    /// not store.
+    /// empty name. A channel that is added again for the same use keeps its index. A channel of a part other
+    /// than that of the constructor is read immediately. Pixels that its part does not store get the value
+    /// `otherwise`.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

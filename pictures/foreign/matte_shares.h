@@ -20,10 +20,10 @@ class MatteShares {
     /// `onto` is the part with the colours, for whose pixels the fractions are determined.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. The
-    /// caller must read them together with the colours, and pass each row to `take`, from top to bottom. The
-    /// part is thus decompressed only once. Ranks must be read in order. Therefore, if another part has the
-    /// first rank, the result is empty, and `finish` reads all ranks.
+    /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. To
+    /// decompress this part only once, the caller reads them together with the colours and passes each row to
+    /// `take`, from top to bottom. Ranks must be read in order. If another part has the first rank, the
+    /// result is therefore empty, and `finish` reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the values of `count` adjacent pixels. The first one has the index `pixel`. values[c] points
     /// to its value in channel c, and the values of the other pixels follow. `picture` must have the samples

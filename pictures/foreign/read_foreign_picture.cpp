@@ -26,8 +26,7 @@ namespace postlens {
 namespace {
 
 /// Volumes are divided into slices, within which the circle of confusion varies little. `slice_ratio` is the
-/// intended ratio of the far to the near depth of a slice, and `most_slices` the largest number of slices per
-/// volume.
+/// intended ratio of a slice's far depth to its near depth. A volume has at most `most_slices` slices.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
 
@@ -45,8 +44,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // One raster must contain both the display window and the stored pixels. It would become too large if
-        // these were far apart.
+        // The raster must contain both the display window and the stored pixels. It would be too large if the
+        // two were far apart.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -101,8 +100,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // The camera that the file states describes the whole display window. The user states the film width
-        // of the frame alone, so it is converted to the width of the display window.
+        // The camera in the file describes the whole display window, but the user's film width describes the
+        // frame alone. It is therefore converted to the width of the display window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -168,8 +167,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // The memory is reserved in advance so that the lists are not copied when they grow. The reserved
-        // size is limited, because a damaged file may claim more pixels than it contains.
+        // Memory is reserved so that the lists are not copied when they grow. The reserved size is limited,
+        // because a damaged file may claim more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));
@@ -235,13 +234,13 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // Depths may all be negative. The back of a volume is therefore multiplied by the sign of
-                    // its front. If ZBack is not a valid depth, the volume becomes a surface.
+                    // Depths may all be negative. The sign of the front depth then makes the back depth
+                    // positive, too. If ZBack is not a valid depth, the volume becomes a surface.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // At a near depth of 0, which has no sign, the camera is inside the volume. The absolute
-                    // value of `back` is then used.
+                    // A front depth of 0 means that the camera is inside the volume. It has no sign, so the
+                    // absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -261,8 +260,8 @@ class Reader {
         });
     }
 
-    /// Adds a sample. A volume is divided into slices of equal length, which have equal transmittance,
-    /// because the density within the volume is constant.
+    /// Adds a sample. A volume is divided into slices of equal length. Its density is constant, so the slices
+    /// have equal transmittance.
     void add_volume(const DeepSample& from) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Returns the path of the file that contains this code: a program, or an extension module of another program.
-// For a program, dladdr may report only the name by which it was started, which need not be a path.
+// For a program, dladdr may report only the name by which it was started, so /proc/self/exe is used.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};

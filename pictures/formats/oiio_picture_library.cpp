@@ -38,7 +38,7 @@ std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory` contains the file from which `in` reads. It is null if `in` reads from the disk.
+    /// `memory` contains the encoded file if `in` reads from memory. It is null if `in` reads from the disk.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -121,9 +121,9 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // Without the time of writing, equal images give equal files. No colour space is set, because that
-        // needs an EXIF directory, which OpenImageIO 2.4 cannot write to memory. Readers assume sRGB for
-        // integers anyway.
+        // The time of writing is left out, so that equal images give equal files. No colour space is set,
+        // because that needs an EXIF directory, which OpenImageIO 2.4 cannot write to memory. Readers assume
+        // sRGB for integer values anyway.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

@@ -16,7 +16,8 @@
 
 namespace postlens {
 
-/// The contents of an image header. Members that begin with `full_` describe the display window.
+/// The contents of an image header. The members that begin with `full_` describe the display window, and x,
+/// y, width and height the data window.
 struct PictureLayout {
     int width = 0, height = 0, depth = 0;
     int x = 0, y = 0;

@@ -43,7 +43,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample if the stack (the samples of a pixel) is opaque.
+/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel).
 /// Returns infinity if the stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
@@ -67,9 +67,10 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the result, from the first rows of both images. If the front image
-/// begins inside the raster, this is the smaller of the two. Otherwise it is that of the front image: further
-/// out, the front image may lack objects, and the back image would show in their place.
+/// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
+/// images. If the front image begins inside the raster (front > 0), the smaller of the two is returned.
+/// Otherwise it is `front`: further out, the front image may lack objects, and the back image would show in
+/// their place.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }

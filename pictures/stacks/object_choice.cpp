@@ -40,7 +40,7 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
 }
 
 /// Returns the ids that the user's text `object` can mean, best first: the id of this name in the manifest,
-/// then the hash of the name. If the text is a number, the number itself and the bits of its float follow.
+/// then the hash of the name. If the text is a number, then also the number itself and the bits of its float.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -87,9 +87,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses which samples of a stack (the samples of a pixel) belong to an object, until they cover a given
-/// fraction of the pixel. Only samples at the depth of the nearest sample are chosen. A sample that covers
-/// too much is divided in two. One MaskedStack is reused for all pixels to avoid allocations.
+/// Chooses which samples of a stack (the samples of a pixel) belong to an object that covers a given fraction
+/// of the pixel. Only samples at the depth of the nearest sample are chosen. A sample that covers too much is
+/// divided in two. One MaskedStack is reused for all pixels to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -105,8 +105,8 @@ class MaskedStack {
             take(1, is_same);
             return;
         }
-        // Masks usually cover different objects, so samples that no other mask has chosen are chosen first.
-        // Samples of other masks follow only if these do not cover enough of the pixel.
+        // Masks usually cover different objects. Samples that no mask has chosen yet are therefore chosen
+        // first. Samples of other masks follow only if the mask covers more of the pixel.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }

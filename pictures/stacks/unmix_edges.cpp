@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is used if
-/// a filter has mixed the depths, because it has mixed those of the neighbouring pixels as well.
+/// Radius, in px, within which unmixed pixels of the same surface are searched. If a filter has mixed the
+/// depths, the larger radius is used, because neighbouring pixels are then mixed as well.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
@@ -35,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Returns true if this part of the pixel shows empty space. The unmixed pixels from which `rgba` was
-    /// computed then have neither colour nor alpha.
+    /// Returns true if this part of the pixel shows empty space: `rgba` was computed from unmixed pixels that
+    /// have neither colour nor alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -134,8 +134,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // Weights are 1 / squared distance. Mixed pixels include the pixel itself, whose distance is 0,
-            // so 0.5 is added to prevent a division by 0.
+            // The weight of a pixel is 1 / squared distance. A search among mixed pixels finds the pixel
+            // itself, at distance 0, so 0.5 is added to prevent a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);

@@ -14,17 +14,17 @@
 
 namespace postlens {
 
-/// Finds the pixels in which a view may see a surface that lies outside the recorded pixels. Surfaces at the
-/// border are assumed to continue outside. If several depths are recorded at a point of the border, the
-/// nearest one is used.
+/// Finds the pixels in which a view may see a surface outside the recorded pixels. Surfaces at the border are
+/// assumed to continue beyond it. If several depths are recorded at a point of the border, the nearest one is
+/// used.
 class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
     /// Returns whether any view may see, in the tile, a surface that lies outside the recorded pixels.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Stores the inverse depth of surfaces beyond the border that the view may see, in
-    /// SeenTile::maybe_inverse_z.
+    /// For pixels in which the view may see a surface beyond the border, writes the inverse depth of this
+    /// surface to SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -47,20 +47,19 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in px, of a pixel at this side of the raster in any view. `deepest_px` is
-        /// the component perpendicular to the side, towards the inside. `sideways_px` is the component along
-        /// the side.
+        /// Largest displacement, in px, of the pixels at this side of the raster in any view: `deepest_px`
+        /// perpendicular to the side, towards the inside, and `sideways_px` along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px` of a pixel at this
-        /// side, with a tolerance of `around_px` along each axis.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px`, with a tolerance
+        /// of `around_px` along each axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of this side's moving pixels
-        /// in all views of a part of the exposure.
+        /// Enlarges `deepest_px` and `sideways_px` to include the moving pixels of this side in all views of
+        /// a part of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// The raster position, in px, at which a view sees the centre of pixel `i` of Side::cells. `along` and
-    /// `across` are its coordinates parallel and perpendicular to this side of the raster.
+    /// Raster position, in px, at which a view sees the centre of pixel `i` of Side::cells. `along` is its
+    /// coordinate parallel to this side of the raster, and `across` the perpendicular one.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

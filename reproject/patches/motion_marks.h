@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Marks the pixels that moving objects may change. Each directly visible sheet (part of a surface) of a
-/// recorded instant has the bits of its object (PatchField::class_marks).
+/// Marks the pixels that moving objects may change, with the bits PatchField::class_marks. Each directly
+/// visible sheet (part of a surface) of a recorded instant has the bits of its object.
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -27,8 +27,8 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of the given patches belongs to an object that has one of the bits
-    /// PatchField::wanted_marks. `patches` contains indices of directly visible patches.
+    /// Returns whether any patch (planar part of a surface) in `patches` belongs to an object with one of the
+    /// bits PatchField::wanted_marks. `patches` contains indices of directly visible patches.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
     /// Marks the pixels in which a moving object was recorded. The object moves away from them, so views show
     /// a different colour there. `mesh` contains the directly visible patches of the instant in the tile.

@@ -1,5 +1,5 @@
-// Computes bounds of how much motion distorts a patch (nearly planar part of a surface). If the distortion is
-// too large, the patch is divided.
+// Upper bounds of the distortion of a patch (nearly planar part of a surface) by motion. A patch that would
+// be distorted too much is divided.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +11,11 @@
 
 namespace postlens {
 
-/// Computes upper bounds of how much the motions in all views distort a part of a surface
+/// Computes upper bounds of the distortion of a part of a surface by the motions in all views
 /// (PatchLens::motion).
 struct StrainOfMotions {
-    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions). Not
-    /// all views of an image are needed: `strain_views` views suffice if they are spread uniformly over the
-    /// exposure.
+    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions). Only
+    /// `strain_views` views of an image are needed, if they are spread uniformly over the exposure.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -20,8 +20,8 @@ constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
 /// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
-/// coordinates, sample i of row j lies at `first(j) + i * by`. The position is not computed by adding up
-/// steps, because rounding would then depend on how a row is divided.
+/// coordinates, sample i of row j lies at `first(j) + i * by`. If steps were added up instead, rounding would
+/// depend on how a row is divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -60,7 +60,8 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// The factor of the inverse depth of a sample in the overlap of a patch.
+/// Factor of a patch's inverse depth in its overlap, the margin beyond its sides. It puts the overlap behind
+/// the neighbouring patch.
 constexpr float in_overlap = 1 - 1e-3F;
 
 /// Element n is 1 << n. A table is used because some instruction sets cannot shift each lane (element of a
@@ -69,7 +70,7 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
-// For functions that are inlined into other functions, which are compiled for several instruction sets.
+// For functions that are inlined into kernels, which are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
 /// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.
@@ -93,7 +94,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        // In its overlap, a patch is behind the neighbour to which the sample belongs.
+        // In its overlap (margin), a patch is drawn slightly behind the neighbour to which the sample
+        // belongs.
         const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
@@ -107,8 +109,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples whose element of `in` is `id`. In these samples, the object `id`
-/// reflects or transmits the patch, so the patch may be drawn there.
+/// Returns a bit mask of the samples n for which in[n] is `id`. The object `id` reflects or transmits the
+/// patch there, so the patch may be drawn.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -272,7 +274,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, because draw_patch_in also tests samples to the left of `part`.
+        // draw_patch_in also tests samples to the left of `part`, so the whole row is cleared.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -301,8 +303,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Pixels to the left of `wanted.part` are not needed, but every row is drawn from the tile's left border.
-    // If rows began elsewhere, rounding would change the positions of samples slightly.
+    // Every row is drawn from the tile's left border, although pixels to the left of `wanted.part` are not
+    // needed. Otherwise rounding would change the positions of samples slightly.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` that marks an inaccurate reprojection: a reflected or refracted image that does not
-    /// move linearly with the lens point (Patch::bent).
+    /// Bit of `texel` that marks an inaccurate reprojection: the reflected or refracted image does not move
+    /// linearly with the lens point (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
@@ -28,9 +28,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface whose edge is so near that the records do not determine whether
-    /// the surface covers the pixel (SheetNode::maybe). Surfaces behind those that have already been drawn
-    /// are ignored.
+    /// Inverse depth of the nearest surface that may cover the pixel: the surface's edge is so near that the
+    /// records do not determine whether it does (SheetNode::maybe). Surfaces behind those that have already
+    /// been drawn are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -40,7 +40,7 @@ struct SeenTile {
     }
     /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether a surface whose edge the records do not resolve may hide the visible surface.
+    /// Whether the visible surface may be hidden by a surface whose edge the records do not resolve.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
@@ -106,16 +106,16 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a surface that is seen by reflection or transmission must be drawn. For each pixel,
-/// they state which object reflects or transmits the surface there.
+/// The pixels in which a surface that is seen by reflection or transmission must be drawn, and the object
+/// that reflects or transmits the surface in each of them.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether the parent of the surface (the surface that reflects or transmits it) is missing in some
-    /// pixels. For such a pixel, `in` contains in_gap(id), where id is the object of the nearest ancestor
-    /// that the view sees there.
+    /// Whether the surface's parent (the surface that reflects or transmits it) is missing in some pixels.
+    /// For these pixels, `in` contains in_gap(id), where `id` is the object of the nearest ancestor that the
+    /// view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -137,8 +137,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen by reflection or transmission, with a depth test. It is drawn only in pixels
-/// that show the object that reflects or transmits it. The patch may be mirror-inverted. It is not drawn if
-/// the view stretches a raster px to more than `largest_torn_px`.
+/// that show the object that reflects or transmits it, and not if the view stretches a raster px to more than
+/// `largest_torn_px`. The patch may be mirror-inverted.
 ///
 /// If WantedPixels::any_gaps is set, the reflecting or transmitting surface is missing in some pixels. A
 /// patch with an inaccurate reprojection (Patch::bent) is not drawn there. `out` must come from find_wanted.

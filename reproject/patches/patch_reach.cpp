@@ -8,9 +8,9 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // The entries of the 2x2 matrix W, which describes how the patch's image moves with the lens point. Each
-    // entry is a linear function of the position on the patch. If W is not stored (`has_w`), the patch is
-    // seen directly, and W is the unit matrix times 1/z'.
+    // The 2x2 matrix W describes how the patch's image moves with the lens point. Each entry is a linear
+    // function of the position on the patch. Without a stored W (`has_w`), the patch is seen directly, and W
+    // is 1/z' times the unit matrix.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {

@@ -1,5 +1,5 @@
-// A fast test that excludes patches (planar parts of surfaces) outside a tile, before their maps into the
-// view are computed.
+// Quickly excludes patches (planar parts of surfaces) outside a tile, before their maps into the view are
+// computed.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Bounds of the position of a static patch in any view. The patch's centre moves linearly with the lens
-/// point. The bounds around the centre have the patch's largest width and height in any view.
+/// Bounds of a static patch in any view. The patch's centre moves linearly with the lens point, and
+/// `half_width` and `half_height` are upper bounds over all views.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -22,9 +22,9 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the bounding rectangle of the patch in one view. `lens` is the lens point (LensShift::lens_px,
-    /// in px m). `shift` is the shift, in px, of surfaces at infinity. The entries xx, xy, yx and yy of the
-    /// matrix W describe how the patch's image moves with the lens point.
+    /// Returns the bounding rectangle of the patch in one view. `lens` is the lens point, in px m
+    /// (LensShift::lens_px). `shift` is the shift of surfaces at infinity, in px. The matrix W, with the
+    /// entries xx, xy, yx and yy, describes how the patch's image moves with the lens point.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);

@@ -10,18 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Largest error of a cell's reprojected position for a lens point on the rim of the lens, as a fraction of
-/// the radius of the circle of confusion.
+/// Largest error of the reprojected position of a cell (pixel of a surface) for a lens point on the rim of
+/// the lens, as a fraction of the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// A surface that lies closely behind another one must not show through it. Depth tests therefore reduce its
-/// inverse depth by Patch::back_per_m, but at most by this fraction.
+/// A surface that lies closely behind another one must not show through it. Depth tests therefore reduce the
+/// inverse depth of the rear surface by Patch::back_per_m, but at most by this fraction.
 constexpr double most_back = 0.02;
 /// If the smaller semi-axis of the circle of confusion is at least this many px, each pixel of a surface is
 /// drawn in a single colour (SheetMesh::coarse). Such a blur hides finer detail.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to the cells of a patch by least squares. Each cell has a plane of its own. The fit uses this
-/// plane at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted planes is the
+/// Fits planes to the cells (pixels) of a patch by least squares. Each cell has planes of its own, which the
+/// fit uses at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted planes is the
 /// patch's corner.
 template <std::size_t values>
 class Fit {
@@ -193,7 +193,7 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // The allowed depth error `within` grows without limit as the aperture shrinks. back_per_m is
+            // As the aperture shrinks, the allowed depth error `within` grows without limit. back_per_m is
             // therefore limited to a fraction of the patch's inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));

@@ -28,24 +28,25 @@ struct PatchLens {
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
     /// A reflected or transmitted surface is drawn as part of the surface that shows it if their images move
-    /// almost alike. Their displacements may differ by at most this many px for any lens point. If the value
-    /// is negative, all such surfaces are drawn separately. If it is all_follow, none is.
+    /// almost alike: their displacements differ by at most this many px for any lens point. If the value is
+    /// negative, all such surfaces are drawn separately. If it is all_follow, none is.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest error of a cell's position in a view, in px. A larger error is accepted for blurred cells.
+    /// Largest error, in px, of the position of a cell (pixel of a surface) in a view. Blurred cells may have
+    /// a larger error.
     double exact_px = 0.1;
     /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns upper bounds of how much the motions in all views distort a part of a surface. `middle`,
+    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. `middle`,
     /// `slope` and `reach` describe this part, as in RasterMap::tangent. If the function is empty, nothing
     /// moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. `w` is the
-    /// node's matrix W, which describes how the node's image moves with the lens point. If W is not
-    /// isotropic, the circle is an ellipse.
+    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. The matrix
+    /// `w` describes how the node's image moves with the lens point. If `w` is not isotropic, the circle is
+    /// an ellipse.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -79,8 +80,9 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, `sheets->values` planes (linear functions whose origin is the patch's corner). The
-    /// first one is 1/z'. If the matrix W is stored, its entries xx, xy, yx and yy follow.
+    /// For each patch, `sheets->values` linear functions, with the patch's corner as the origin. The first
+    /// one is 1/z'. If the matrix W (motion of the image with the lens point) is stored, its entries xx, xy,
+    /// yx and yy follow.
     std::vector<CellPlane> planes;
     /// For each sheet (part of a surface), the bits (child_bit) of those reflections and refractions that are
     /// drawn as part of the sheet. All others are drawn separately (PatchLens::follow_px).
@@ -93,8 +95,8 @@ struct PatchMesh {
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether the recorded colours at the corners of a texel's quadtree leaf do not determine the
-    /// colour within the leaf. This is so if an edge crosses the leaf, either in the surface itself or in a
+    /// Returns whether an edge crosses a texel's quadtree leaf, so that the recorded colours at the leaf's
+    /// corners do not determine the colour within the leaf. The edge may be in the surface itself, or in a
     /// reflection or refraction that is drawn as part of it.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
@@ -154,19 +156,19 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// Finds the area of the raster whose rays from the scene point pass through a directly visible patch, as a
-/// map from the patch to the raster. If the patch is nearer than the scene point, it hides the point from the
-/// pixels of this area. The map is linearised at the patch's centre. Returns false if the map is singular.
+/// Computes the map from a directly visible patch to that area of the raster whose rays from the scene point
+/// pass through the patch. A patch nearer than the scene point hides the point from the pixels of this area.
+/// The map is linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Divides a patch, and appends those parts that are nearer than 1 / `nearest_per_m`, with their maps. Such
-/// parts may hide the scene point, whose inverse depth is `light_per_m` (at most `nearest_per_m`). The map is
-/// singular at the depth of the scene point, so parts near it are smaller: in a part of more than one pixel,
-/// 1/z' - `light_per_m` varies by at most a factor of two.
+/// Divides a patch, and appends those parts that are nearer than 1 / `nearest_per_m`, with their maps to the
+/// raster. These parts may hide the scene point, whose inverse depth `light_per_m` is at most
+/// `nearest_per_m`. The map is singular at the depth of the scene point, so parts near this depth are
+/// smaller: in a part of more than one pixel, 1/z' - `light_per_m` varies by at most a factor of two.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

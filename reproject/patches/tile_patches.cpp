@@ -60,8 +60,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // The pixels in which a moving object was recorded are marked later (mark_recorded). The object's
-            // patches are therefore also assigned to the tiles of these pixels.
+            // mark_recorded will mark the pixels in which a moving object was recorded. The object's patches
+            // are therefore also assigned to the tiles of these pixels.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within 1/64 of the exposure. They are the same view if there is only one.
+/// The earliest and the latest view within 1/64 of the exposure, or twice the same view if there is only one.
 /// Between these two views, a moving surface may move on a curve. Its distance from the straight line between
-/// its two positions is assumed to be less than the distance between these positions.
+/// its two positions is assumed to be less than the length of this line.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

@@ -9,8 +9,8 @@ namespace postlens {
 namespace {
 
 /// If a view needs a reflected or transmitted surface that was not recorded, the mean radiance of the other
-/// views replaces it. If fewer than this fraction of the views that need the surface see it, the radiance
-/// seen from the pinhole is blended in.
+/// views is used. If fewer than this fraction of the views that need the surface see it, the radiance seen
+/// from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,8 +84,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // In some pixels, the surface that reflects or transmits the drawn one (its parent) is missing. The
-        // surface is drawn there only if its nearest visible ancestor lies on the same object as the parent.
+        // A surface's parent reflects or transmits it. In pixels in which the parent is missing, the surface
+        // is drawn only if its nearest visible ancestor lies on the same object as the parent.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -220,8 +220,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // If a view misses the parent surface, it is unknown whether the view needs this one. `inflated`
-        // scales the sum, so that the mean of the other views also represents such views.
+        // A view without the parent surface may or may not need this surface. `inflated` scales the sum, so
+        // that the mean of the other views also stands for such views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

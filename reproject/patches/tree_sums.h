@@ -24,7 +24,7 @@ namespace postlens {
 class TreeSums {
   public:
     /// `paths` contains all paths (sequences of reflections and transmissions) that may occur, in any order
-    /// and possibly repeated. `at` states which pixels of the tile are used.
+    /// and possibly repeated. `at` states which pixels of the tile are in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
@@ -32,9 +32,8 @@ class TreeSums {
     /// surfaces of the view, and must stay valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
     /// Prepares the drawing of all surfaces with the path `path`, and stores the pixels that need them in
-    /// `wanted`. Returns the cleared tile into which the surfaces must be drawn. Returns null if no pixel
-    /// needs them, or if `path` was not passed to `begin`. The surfaces of the parent path must be drawn
-    /// first.
+    /// `wanted`. Returns the cleared tile into which they must be drawn, or null if no pixel needs them or if
+    /// `path` was not passed to `begin`. The surfaces of the parent path must be drawn first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether the records determine the reflected and transmitted light of pixel k. Every surface
     /// that is drawn separately there must meet four conditions: the view sees it, no surface with an
@@ -48,16 +47,16 @@ class TreeSums {
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the radiance that all views see by reflection and transmission in pixel k to `sum`, which
-    /// contains the pixel's radiance times `weight`. Returns the weight of views in which such surfaces are
-    /// not recorded. Surfaces that are dim in the whole tile count less. Surfaces with an inaccurate
-    /// reprojection (Patch::bent) also count as not recorded if some views miss the surface that reflects or
-    /// transmits them.
+    /// Adds the radiance that all views see by reflection and transmission in pixel k to `sum`, the pixel's
+    /// radiance times `weight`. Returns the weight of the views in which such surfaces are not recorded.
+    /// Surfaces that are dim in the whole tile count less. If some views miss the surface that reflects or
+    /// transmits, surfaces with an inaccurate reprojection (Patch::bent) also count as not recorded.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Radiance of the node times the views' weights, including child nodes that are drawn as part of it.
+        /// Sum of the node's radiance times the weights of views. Includes child nodes that are drawn as part
+        /// of it.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
@@ -80,8 +79,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a surface of this path in the tile. end_views adds the largest radiance of
-        /// what this surface reflects and transmits.
+        /// Largest radiance of a surface of this path in the tile. end_views adds the largest radiance that
+        /// such a surface reflects and transmits.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -91,15 +90,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Called if the surface of `chain` is missing in pixel k. Adds the recorded surfaces that it would
-    /// reflect or transmit there. Returns whether there are any.
+    /// Adds the recorded surfaces that a missing surface of `chain` would reflect or transmit in pixel k.
+    /// Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that would reflect or transmit the surfaces of `chain` in pixel k: the
-    /// object that the view sees there one bounce earlier, or still earlier if it sees none.
+    /// Returns the id of the object that reflects or transmits the surfaces of `chain` in pixel k. It is the
+    /// object that the view sees there one bounce earlier, or the nearest ancestor if that object is missing.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. When a chain is first
-    /// used in a tile, all its sums are cleared.
+    /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. The first use of a
+    /// chain in a tile clears all its sums.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -5,9 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2 of the recorded raster, that one pixel of the view covers around `p`. The
-/// surface at `p` is assumed to be parallel to the film. `motion` maps from the recorded instant to the
-/// view's instant. Returns nothing if the camera of the recorded instant does not see `p`.
+/// Returns the area, in px^2 of the recorded raster, of a pixel of the view at `p`. The surface at `p` is
+/// assumed to be parallel to the film. `motion` maps from the recorded instant to the view's instant. Returns
+/// nothing if the camera of the recorded instant does not see `p`.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -18,8 +18,8 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Returns whether the records determine the directly visible surface in pixel `k` of the view `shown`. A
-/// view is made from one or two recorded instants. `u` is the index of the instant that is tested.
+/// Returns whether the records determine the directly visible surface in pixel `k` of the view `shown`. `u`
+/// is the index of the tested instant among the one or two recorded instants of the view.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -1,6 +1,5 @@
-// Selects the view samples (pixels of single views) for which rays are traced. Some rays replace samples
-// whose colours the records do not determine. Other rays check samples whose colours the records do
-// determine.
+// Selects the view samples (pixels of single views) for which rays are traced. If the records do not
+// determine the colour of a sample, a ray replaces it. Other rays check recorded colours.
 #pragma once
 
 #include <algorithm>
@@ -29,13 +28,13 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that pixel `k` shows at the recorded instant number `u` of the view.
+    /// Returns the id of the object that pixel `k` shows, as recorded at instant `u` (0 or 1) of the view.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
     /// Returns the weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the
-    /// same surface, their colours are blended. Otherwise only the nearer surface counts, or only the farther
-    /// one if the outline of the nearer one is imprecise (has_vague_outline).
+    /// same surface, their colours are blended. Otherwise only the nearer surface counts. If its outline is
+    /// imprecise (has_vague_outline), only the farther one counts.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -45,9 +44,9 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether use `u` (a recorded instant of the view) shows the outline of a surface in pixel `k`
-    /// less precisely than the other use. This is so if the view magnifies the quadtree leaf with the outline
-    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
+    /// Returns whether use `u` (a recorded instant of the view) shows a surface's outline in pixel `k` less
+    /// precisely than the other use. This is so if the view magnifies the quadtree leaf with the outline to
+    /// more than a pixel, and the other use has recorded this part of the object at a larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
@@ -72,17 +71,17 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts the samples that set_aside_trees has tested. `with_sure_trees` counts those whose
-    /// reflected and transmitted light the records determine.
+    /// `with_trees` counts the samples that set_aside_trees has tested, and `with_sure_trees` those among
+    /// them whose reflected and transmitted light the records determine.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// For each pixel, a bit mask. Bit u is set if rays replace the sample of recorded instant u of the view.
+    /// Bit mask per pixel. Bit u is set if rays replace the view's sample from its recorded instant u.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Replaces a view's samples by rays where the records do not determine the directly visible surface. If
     /// something moves, rays also replace all samples of surfaces that reflect or transmit, because a mirror
-    /// and its reflections move differently. The same happens if `parents_too` is set. Where the lens
-    /// transmits no light, no ray is traced, and only the sample's weight is added to `recorded`.
+    /// and its reflections move differently. `parents_too` has the same effect. Where the lens transmits no
+    /// light, no ray is traced, and only the sample's weight is added to `recorded`.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
     /// light. `u` is the index of the use (recorded instant of the view) that is tested.
@@ -94,8 +93,8 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels in which a ray may have to replace the view's sample. This fast test excludes most
-    /// pixels from the slower test in set_aside.
+    /// Lists the pixels in which a ray may replace the view's sample. This fast test excludes most pixels
+    /// from the slower test in set_aside.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -115,8 +114,8 @@ class CheckedSamples {
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
     /// Stores the recorded radiance of the view's samples that are to be checked, except those that rays
-    /// replace. Must be called for each recorded instant `u` of the view in turn. `number` is the index of
-    /// the view in its set. `trees` is null if no reflections or refractions are drawn.
+    /// replace. Must be called once for each recorded instant `u` of the view. `number` is the index of the
+    /// view in its set. `trees` is null if no reflections or refractions are drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -129,8 +128,8 @@ class CheckedSamples {
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
     /// Recorded radiance of the checked samples: `noted_` for the pixels of the current view, `recorded_` for
-    /// each ray. The component w is the share of the sample that comes from records, and the radiance is
-    /// multiplied by it. The rest of the sample comes from a ray.
+    /// each ray. Component w is the share of the sample that comes from records, and the radiance is
+    /// multiplied by it. A ray provides the rest of the sample.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

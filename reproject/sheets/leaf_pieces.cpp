@@ -63,8 +63,8 @@ void LeafPieces::add_leaf(std::uint32_t index, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, cell, index);
         return;
     }
-    // One corner of the leaf may see the same surface (SheetKey) several times, at different depths. For each
-    // n, the n-th nearest hits of the surface at the four corners form a group.
+    // A corner of the leaf may see the same surface (SheetKey) several times, at different depths. The
+    // nearest hits at the four corners form one group, the second nearest hits another, and so on.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {

@@ -14,22 +14,22 @@
 namespace postlens {
 
 /// A square of the raster: the columns [first_pixel, last_pixel) of the first `rows` rows of a band of raster
-/// rows. The quadtree leaves were found from the records of this band.
+/// rows. The records of this band determine the quadtree leaves.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A quadtree leaf (undivided cell) that shows one surface, or a quarter of such a cell.
+/// The part of a quadtree leaf (undivided cell) that shows one surface: the whole leaf or a quarter of it.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of elements of node[] in use, 4 or 1. If it is 4, they lie at the leaf's corners. If it is 1,
-    /// node[0] lies at (at_x, at_y) px from the cell's corner.
+    /// Number of elements of node[] in use: 4 if they lie at the leaf's corners, or 1 if node[0] lies at
+    /// (at_x, at_y) px from the cell's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
@@ -37,9 +37,9 @@ struct LeafPiece {
     bool maybe = false;
 };
 
-/// Divides quadtree leaves into pieces. If all four corners of a leaf see one surface, the leaf is one piece.
-/// If a corner sees another surface, or if the depth is discontinuous, the leaf is divided into quarters.
-/// Each quarter shows the surface that is seen at its corner of the leaf.
+/// Divides quadtree leaves into pieces. A leaf is one piece if its four corners see one surface and the depth
+/// is continuous. Otherwise it is divided into quarters, and each quarter shows the surface that is seen at
+/// its corner of the leaf.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
@@ -47,8 +47,8 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys. The pieces of a
-    /// surface are in the order of their quadtree leaves. Must be called once after each `collect`.
+    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys. The pieces have
+    /// the order of their quadtree leaves. Must be called once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -59,15 +59,15 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Returns whether depths from `low` to `high`, in 1/m, may belong to one surface within a square of
-    /// `size` px.
+    /// Returns whether inverse depths from `low` to `high`, in 1/m, may belong to one surface within a square
+    /// of `size` px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// A corner of a quadtree leaf may see the same surface (SheetKey) several times, at different depths.
-    /// Group n of a surface contains the n-th nearest hit of each corner.
+    /// Hits of one surface (SheetKey) at the corners of a quadtree leaf. A corner may see the surface several
+    /// times, at different depths. Group n contains the n-th nearest hit of each corner.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -77,8 +77,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// Tells whether a corner of a quadtree leaf shows a given surface (`here`), a nearer surface (`before`)
-    /// or a farther one (`behind`).
+    /// Whether a corner of a quadtree leaf shows a given surface (`here`), a nearer surface (`before`) or a
+    /// farther one (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -96,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface, `key_pieces_` contains the number of its pieces or, after sorting, their end in
-    /// sorted_. `key_group_` contains its first Group at the current quadtree leaf. After use, the values are
-    /// reset to 0 and to `none`.
+    /// For each surface, `key_pieces_` contains the number of its pieces or, after sorting, the end of its
+    /// pieces in sorted_. `key_group_` contains its first Group at the current quadtree leaf. After use, the
+    /// values are reset to 0 and `none`, respectively.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

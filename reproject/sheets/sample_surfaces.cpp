@@ -32,9 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope is the depth difference divided by the width. At depth z, the depth difference is z times the
-    // relative difference of the inverse depths, and the width is z times the tangent `across`. The factor z
-    // therefore cancels.
+    // The slope is a depth difference divided by a width. At depth z, the depth difference is z times the
+    // relative difference of the inverse depths, and the width is z times the tangent `across`, so z cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -47,9 +46,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Groups records by sample and layer. Calls take(visible, first, last) for each group, in ascending order of
-/// layers, and done() after each sample. `visible` is the sample's first record of layer 0 (surfaces that the
-/// pinhole sees). Records at positions without a record of layer 0 are skipped.
+/// Groups records by sample and layer. Calls take(visible, first, last) for each group [first, last), in
+/// ascending order of layers, and done() after each sample. `visible` is the sample's first record of layer 0
+/// (surfaces that the pinhole sees). Positions without a record of layer 0 are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -63,8 +62,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // The records of layer 0 of a pixel come first, followed by those of the deeper layers. Within a
-        // layer, records are sorted by (y, x).
+        // In a pixel, the records of layer 0 come first, followed by those of deeper layers. Within a layer,
+        // records are sorted by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -143,8 +142,9 @@ float departure(const Mat2& a, const Mat2& b) {
 }
 
 /// Adds the radiance and the marks (flags) of each node to all its ancestors (TreeSurface::below and
-/// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W and
-/// that of a descendant. It becomes infinite if a descendant is brighter than `bright_above`.
+/// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W
+/// (motion of its image with the lens point) and that of a descendant, or infinite if a descendant is
+/// brighter than `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

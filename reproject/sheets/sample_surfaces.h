@@ -1,5 +1,5 @@
-// Converts records to surfaces, in one of two ways: one surface per layer of a point sample, with the
-// radiance of its whole shading tree, or one surface per node of the shading tree.
+// Converts records to surfaces. Either each layer of a point sample becomes one surface, with the radiance of
+// its whole shading tree, or each node of the shading tree becomes one surface.
 #pragma once
 
 #include <array>
@@ -34,19 +34,19 @@ struct TreeSurface {
     std::array<std::uint8_t, 2> marks_below{};
     /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, the largest difference between the matrix W of this node and that of a
-    /// node in the child's subtree, as a spectral norm in 1/m. W describes how a node's image moves with the
-    /// lens point. Infinite if a node of the subtree is brighter than `bright_above` (find_trees).
+    /// The matrix W describes how a node's image moves with the lens point. For each of the two children,
+    /// this is the largest spectral norm, in 1/m, of the difference between this node's W and that of a node
+    /// in the child's subtree. Infinite if such a node is brighter than `bright_above` (find_trees).
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface. They can if the line through both is inclined to the
-/// film by at most 88.6 degrees, like a sphere of 1600 px radius half a pixel inside its outline. `across` is
-/// the distance of the samples on the film: divided by the film distance for a perspective camera, and in m
-/// for an orthographic one.
+/// Returns whether two samples can lie on one surface: the line through both must be inclined to the film by
+/// at most 88.6 degrees, as on a sphere of 1600 px radius, half a pixel inside its outline. `across` is the
+/// distance of the samples on the film: divided by the film distance for a perspective camera, and in m for
+/// an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
 /// perspective camera, and m for an orthographic one.
@@ -60,8 +60,8 @@ struct SampleSurfaces {
 };
 
 /// Finds the surfaces that point samples show, one in each layer. Layer 0 is visible from the pinhole, and
-/// layer n is the n-th surface behind it. A layer is skipped if the surface that the eye ray itself hits is
-/// not recorded. `points` were read from `band`, from row y_begin on.
+/// layer n is the n-th surface behind it. A layer is skipped if only its reflections or
+/// refractions are recorded. `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of

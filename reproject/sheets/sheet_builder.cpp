@@ -6,7 +6,7 @@
 namespace postlens {
 namespace {
 
-/// Contrast above which a quadtree leaf is assumed to contain an edge, for files that state no threshold.
+/// For files that state no threshold: the contrast above which a quadtree leaf is assumed to contain an edge.
 /// `trace` has not divided the pixels of such files.
 constexpr float usual_contrast = 0.1F;
 
@@ -69,15 +69,15 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // A part of a pixel that belongs to one surface, with its range of 1/z'. A pixel has several parts if the
-    // depths in it differ too much for one surface.
+    // A part of a pixel that belongs to one surface, with its range of 1/z'. If the depths in a pixel differ
+    // too much for one surface, the pixel has several parts.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether a piece of this part overlaps `p`. Pieces that may not show the surface (`maybe`) are
-    // ignored. Overlapping pieces belong to two surfaces, even if their depths hardly differ. The pieces of a
+    // Returns whether a piece of this part overlaps `p`. If so, the two belong to different surfaces, even if
+    // their depths hardly differ. Pieces that may not show the surface (`maybe`) are ignored. The pieces of a
     // leaf are consecutive in `part.pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
@@ -262,7 +262,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // Pieces that certainly show the surface are preferred to those that may not show it (`maybe`).
+        // Pieces that certainly show the surface are preferred to uncertain ones (`maybe`).
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }
@@ -276,8 +276,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The leaves of a surface are usually in quadtree order, so that those of a subtree are consecutive.
-        // Otherwise they are partitioned.
+        // The leaves of a surface are usually in quadtree order, so those of a subtree are consecutive. If
+        // they are not, they are partitioned.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -16,9 +16,9 @@
 namespace postlens {
 
 /// Builds sheets (surfaces within a square of the raster) from the samples at the corners of quadtree leaves.
-/// If all four corners of a leaf see one surface, the colour of the leaf is the mean of their colours. If a
-/// corner sees another surface, or if the depth is discontinuous, each quarter of the leaf gets the colour of
-/// its corner. Parts of one object become different sheets if their depths differ too much for one surface.
+/// If all four corners of a leaf see one surface, the leaf gets the mean of their colours. Otherwise, or if
+/// the depth is discontinuous, each quarter of the leaf gets the colour of its corner. Parts of an object
+/// whose depths differ too much for one surface become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -33,9 +33,9 @@ class SheetBuilder {
     /// Returns the marks (flags, RecordMark) that the records at all four corners have. A mark may say, for
     /// example, that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the light that the surface reflects or transmits is uncertain within the leaf. It is
-    /// if it differs strongly between the leaf's corners, or if its records have the same mark (RecordMark)
-    /// at all corners.
+    /// Returns whether the light that the surface reflects or transmits is uncertain within the leaf: it
+    /// differs strongly between the leaf's corners, or its records have the same mark (flag, RecordMark) at
+    /// all corners.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);

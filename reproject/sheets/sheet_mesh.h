@@ -30,8 +30,8 @@ struct SheetKey {
     }
 };
 
-/// A linear function of raster position: `value + x * dx + y * dy`, where (dx, dy) is the distance in px from
-/// the function's origin. Each list of such functions states where the origin is.
+/// A linear function of raster position: `value + x * dx + y * dy`. (dx, dy) is the distance, in px, from the
+/// function's origin. Each list of such functions states its origin.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -40,8 +40,8 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs the index of a sheet, the bits of its children (child_bit) and two flags into one word. `unsure`
-    /// is unsure_bit, unsure_below_bit, both, or 0.
+    /// Packs the index of a texel's sheet, the bits of the texel's children (child_bit) and two flags into
+    /// one word. `unsure` is unsure_bit, unsure_below_bit, both, or 0.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -61,10 +61,11 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of a sheet's quadtree is `none`, `maybe`, a leaf, or the index of its first child. A leaf is the
-/// index of its texel (colour) with the bit `leaf` set. The four children have consecutive indices: up-left,
-/// up-right, down-left, down-right. `maybe` is a quarter of a leaf that the surface's edge crosses. The
-/// leaf's corner in this quarter shows a farther surface, so the quarter may or may not show this one.
+/// A node of a sheet's quadtree is `none` (empty), `maybe`, a leaf, or the index of its first child. A leaf
+/// is the index of its texel (colour) with the bit `leaf` set. The four children have consecutive indices:
+/// up-left, up-right, down-left, down-right. `maybe` is a quarter of a leaf that the surface's edge crosses:
+/// the leaf's corner in this quarter shows a farther surface, but the rest of the quarter may show this
+/// surface.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -81,7 +82,7 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Whether nearer surfaces hide part of a surface within a quadtree leaf, and whether the hidden part is
+/// Whether nearer surfaces hide a part of a surface within a quadtree leaf, and whether this part is
 /// recorded.
 enum class Hides : std::uint8_t {
     nothing,
@@ -89,8 +90,8 @@ enum class Hides : std::uint8_t {
     unknown    ///< a part that may not be recorded
 };
 
-/// A highlight: radiance above a limit that is removed from a recorded surface. Its impulse response spreads
-/// it over the image instead.
+/// A highlight: radiance above a limit, removed from a recorded surface. Instead, the highlight's impulse
+/// response spreads this radiance over the image.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -98,7 +99,7 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     float bend = 0;              ///< Record::w_bend
-    /// Gradient of 1/z' over the raster, in 1/m per px, if rays have measured it. Otherwise 0.
+    /// Gradient of 1/z' over the raster, in 1/m per px, or 0 if no rays have measured it.
     glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
@@ -138,8 +139,8 @@ struct SheetMesh {
     /// For each texel (colour of a quadtree leaf), the radiance of its reflected and of its transmitted
     /// subtree (TreeSurface::below). Empty if no texel has child nodes.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// `bright` contains all radiance above the limit for highlights. `bright_texels` lists the texels of
-    /// `fine` and `coarse` that have such radiance.
+    /// `bright` contains the highlights: all radiance above a limit (HighlightRule::above). `bright_texels`
+    /// lists the texels of `fine` and `coarse` that exceed the limit.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that have been taken out of the texels
@@ -178,13 +179,13 @@ struct SheetChoice {
     /// Returns whether to read the row of raster squares (SheetMesh::square_px high) that begins at raster
     /// row y. If the function is empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes the sheets that are not needed from `some`. These sheets lie in one part of the row of raster
-    /// squares that begins at raster row y. A part has `squares_per_part` squares, and `part` is its number,
-    /// counted from the left. Several threads call the function, before highlights are taken out. If it is
-    /// empty, all sheets are needed.
+    /// Removes sheets that are not needed from `some`. `some` contains the sheets of part number `part` of
+    /// the row of raster squares that begins at raster row y. A part consists of `squares_per_part` squares,
+    /// and parts are counted from the left. Several threads call the function, before highlights are taken
+    /// out. If the function is empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read (see `rows`). Appends those sheets of the row that are
+    /// Called for each row of squares that is not read (see `rows`). Appends those of its sheets that are
     /// needed nevertheless to `parts`, from left to right. The row begins at raster row y.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
@@ -197,8 +198,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Applies another rule for highlights to existing sheets. Its limit `above` must be that of the old rule.
-/// The result is bit-identical to the sheets that `tree_sheets` builds with the new rule.
+/// Applies a new rule for highlights to existing sheets. Both rules must have the same limit `above`. The
+/// result is bit-identical to the sheets that `tree_sheets` builds with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 chooses the times of samples from a table of 256 entries. With a box-shaped shutter curve, the times are
-# therefore limited to this fraction of the frame. The exposure is corrected for this, unless --whole-frame is given.
+# Cycles 3.4 chooses the times of samples from a table of 256 entries. With a box-shaped shutter curve, the times
+# therefore cover only this fraction of the frame. The exposure is corrected for this, unless --whole-frame is given.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -183,7 +183,7 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Cells may be infinitely long along an axis, whose coordinate is then multiplied by 1 / infinity = 0. Blender's
+    # A cell may be infinitely long along an axis, whose coordinate is then multiplied by 1 / infinity = 0. Blender's
     # Checker Texture node is not used, because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
