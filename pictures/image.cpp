@@ -65,7 +65,7 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// `crop` is the position of an image in the whole image, if the image is a crop.
+/// If the image is a crop, `crop` is its position in the whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;

@@ -107,8 +107,8 @@ enum class PictureValues {
 /// the first one as grey if there are fewer than three. Integer values, and values tagged as sRGB, are
 /// converted to scene-linear.
 ///
-/// The image covers the display window, or only the crop if the file is a crop (see write_image). Stored
-/// pixels outside are dropped, and pixels that the file does not store are black. Throws
+/// The image covers the display window, or only the crop if the file is a crop (see write_image). Pixels
+/// outside the window are dropped, and pixels that the file does not store are black. Throws
 /// Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);

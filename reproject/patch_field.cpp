@@ -41,8 +41,8 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Number of views (images for one lens point each) between two tests whether the user has cancelled the
-/// work. A tile can have thousands of views, so one test per tile would be too rare.
+/// The user's cancellation is tested once for this many views (images for one lens point each). A tile can
+/// have thousands of views, so one test per tile would be too rare.
 constexpr std::size_t views_between_looks = 64;
 
 /// Number of views after which rays may replace all samples with reflections or refractions. They do so if
@@ -279,8 +279,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Recorded surfaces may hide highlights that reach the tile (`lights`). They are then drawn even if
-        // rays replace all samples of the tile.
+        // Recorded surfaces may hide highlights that reach the tile (`lights`). The surfaces are then drawn
+        // even if rays replace all samples of the tile.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)

@@ -134,9 +134,9 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// The highlights of an image. The radiance of a reprojected surface above a limit is removed from the
-/// surface and becomes a highlight. The lens spreads this light over the pixels by the highlight's impulse
-/// response (point spread function).
+/// The highlights of an image. Radiance above a limit is removed from a reprojected surface and becomes a
+/// highlight. The lens spreads this light over the pixels by the highlight's impulse response (point spread
+/// function).
 class Lights {
   public:
     Lights() = default;
@@ -152,9 +152,9 @@ class Lights {
     /// brightest channel, averaged over rays through the lens.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A line of sight from a pixel to a highlight, whose light arrives along the line unless a surface
-    /// blocks it. The light of all highlights in the pixel is the mean, over such lines, of `scale` times the
-    /// arriving radiance.
+    /// A line of sight from a pixel to a highlight. The highlight's light arrives along this line unless a
+    /// surface blocks it. The light of all highlights in the pixel is the mean, over such lines, of `scale`
+    /// times the arriving radiance.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -170,15 +170,15 @@ class Lights {
 };
 
 /// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
-/// the recorded radiance. It is 0 if the image uses the ray instead of the record.
+/// the recorded radiance. The residual is 0 if the image uses the ray instead of the record.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    /// `highlights` is the light of the highlights in this pixel of the image, scene-linear. Its error is
-    /// measured by `aimed` rays that are traced towards the highlights. `aimed_sum` is the sum of their
-    /// light.
+    /// `highlights` is the light of the highlights in this pixel of the image, scene-linear. To measure the
+    /// error of this light, `aimed` rays are traced towards the highlights. `aimed_sum` is the sum of the
+    /// light along these rays.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;

@@ -35,8 +35,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material may belong to the mesh or to the object. The object's slots list both kinds, so their materials
-            # are copied.
+            # A material may belong to the mesh or to the object. The object's slots list both kinds, so the copied mesh
+            # gets the materials of these slots.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:

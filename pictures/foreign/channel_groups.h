@@ -62,7 +62,8 @@ struct GroupMatch {
 /// motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns a candidate for the depth channel if this channel has the name of a depth, and otherwise empty.
+/// Returns the channel `name` as a candidate if it is named like a depth (for example Z), and otherwise
+/// empty.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -176,7 +176,8 @@ class Mender {
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
         // A pixel can be found twice, along its row and along its column. The result with the larger step is
-        // kept: if a row or column runs along an edge, all its depths may be mixed, so its step is too small.
+        // kept. A row or column that runs along an edge may contain only mixed depths, which make its step
+        // too small.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers candidates in the part of the colours. All Cryptomattes are given this
-            // part, so that the part that stores them does not affect the choice.
+            // match_group prefers candidates in the same part as the colours. All Cryptomattes are given that
+            // part, so the choice does not depend on where they are stored.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -95,7 +95,7 @@ class DeepBand {
 };
 
 /// Checks the sizes that deep chunks state, because the OpenEXR library allocates that much memory before it
-/// reads a chunk. To query a size moves the library's read position, so the check opens the file a second
+/// reads a chunk. Querying a size moves the library's read position, so the check opens the file a second
 /// time.
 class StoredChunks {
   public:

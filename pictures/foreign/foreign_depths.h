@@ -27,8 +27,8 @@ class ForeignDepths {
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Decodes a depth value of the file, returns the inverse of its absolute distance, and calls `note`. (x,
-    /// y) is the pixel in the file.
+    /// Decodes the depth value of pixel (x, y) of the file, returns the inverse of its absolute distance, and
+    /// calls `note`.
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);

@@ -300,8 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // To compute green from luminance, red and blue, one divides by the weight of green, out[1]. It must not
-    // be 0.
+    // Green is computed from luminance, red and blue. This requires a division by the weight of green,
+    // out[1], which must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

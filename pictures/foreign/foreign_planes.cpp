@@ -8,8 +8,8 @@ namespace postlens {
 namespace {
 
 /// Extends values beyond the border of the part `from`. `plane` has one value per pixel of the part `onto`.
-/// On each side where `from` reaches the border of the display window, pixels further out get its nearest
-/// value.
+/// On each side where `from` reaches the border of the display window, pixels further out get the nearest
+/// value of `from`.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,

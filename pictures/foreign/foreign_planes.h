@@ -23,8 +23,8 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
 
 /// Returns the values of a channel for all pixels of part `onto`, row by row. Pixels that `part` does not
 /// store get the value `otherwise`. However, where `part` reaches the border of the display window, pixels
-/// further out get its nearest value. If `converts` is true, the integers of the channel are converted to
-/// floats. Throws Error(out_of_memory).
+/// further out get the nearest stored value. If `converts` is true, the integers of the channel are converted
+/// to floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

@@ -239,7 +239,7 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 means that the camera is inside the volume. It has no sign, so the
+                    // A front depth of 0 means that the camera is inside the volume. Since 0 has no sign, the
                     // absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)

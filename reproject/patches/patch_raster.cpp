@@ -42,8 +42,8 @@ struct Run {
     }
 };
 
-/// Several consecutive samples of a row, for SIMD. Each has the index of its cell, its position in the cell,
-/// and its inverse depth.
+/// Several consecutive samples of a row, for SIMD. Each has the index of its cell (pixel of the patch), its
+/// position in the cell, and its inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;

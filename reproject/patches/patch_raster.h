@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may cover the pixel: the surface's edge is so near that the
-    /// records do not determine whether it does (SheetNode::maybe). Surfaces behind those that have already
+    /// Inverse depth of the nearest surface that may or may not cover the pixel, because the records do not
+    /// determine the exact position of its edge (SheetNode::maybe). Surfaces behind those that have already
     /// been drawn are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 

@@ -105,7 +105,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Visits the cells of a rectangle until `visit` returns false. Returns whether all cells were visited.
+    /// Visits the cells (pixels) of a rectangle until `visit` returns false. Returns whether all were
+    /// visited.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {

@@ -220,8 +220,9 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // A view without the parent surface may or may not need this surface. `inflated` scales the sum, so
-        // that the mean of the other views also stands for such views.
+        // If a view lacks the parent (the surface that reflects or transmits this one), it is unknown whether
+        // the view needs this surface. `inflated` scales the sum, so that the mean of the other views also
+        // stands for such views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -5,9 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2 of the recorded raster, of a pixel of the view at `p`. The surface at `p` is
-/// assumed to be parallel to the film. `motion` maps from the recorded instant to the view's instant. Returns
-/// nothing if the camera of the recorded instant does not see `p`.
+/// Returns the area, in px^2 of the recorded raster, that a pixel of the view covers at `p`. The surface at
+/// `p` is assumed to be parallel to the film. `motion` maps from the recorded instant to the view's instant.
+/// Returns nothing if the camera of the recorded instant does not see `p`.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -64,7 +64,7 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Every pixel is written, but only doubtful ones are counted. A branch would often be
+            // Every pixel is written to the list, but only counted if it is doubtful. A branch would often be
             // mispredicted.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||

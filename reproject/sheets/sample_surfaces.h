@@ -60,8 +60,8 @@ struct SampleSurfaces {
 };
 
 /// Finds the surfaces that point samples show, one in each layer. Layer 0 is visible from the pinhole, and
-/// layer n is the n-th surface behind it. A layer is skipped if only its reflections or
-/// refractions are recorded. `points` were read from `band`, from row y_begin on.
+/// layer n is the n-th surface behind it. A layer is skipped if only its reflections or refractions are
+/// recorded. `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of
