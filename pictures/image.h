@@ -93,8 +93,8 @@ struct ImageSize {
 /// Error(invalid_input).
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
-/// Returns the text that states how an image or a sample file was made (Image::made_by,
-/// SampleHeader::made_by), or an empty text if the file has none. Throws Error(invalid_input).
+/// Returns the text that states how an image or a sample file was made (`made_by`), or an empty text if the
+/// file has none. Throws Error(invalid_input).
 [[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
 /// Which values `read_image` returns for an OpenEXR file that states an exposure.

@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether the current piece (square of the image) has so many reflected and transmitted patches (planar
-    /// parts of surfaces) that tracing rays is faster than drawing them. Empty until it is computed.
+    /// Whether rays are faster in the current piece (square of the image), because it has too many reflected
+    /// and transmitted patches (planar parts of surfaces) to draw. Empty until it is computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -202,8 +202,8 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// Looks up the motion of each patch (nearly planar part of a surface) of a tile, from the recorded
-    /// instant to the instant of one view.
+    /// Looks up the motions of a tile's patches (nearly planar parts of surfaces), from the recorded instant
+    /// to the instant of one view.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)

@@ -23,9 +23,9 @@ inline constexpr std::uint32_t exr_magic = 20000630;
 /// rows, or for 4 channels in chunks of 256 rows.
 inline constexpr std::uint64_t largest_chunk_bytes = 256U << 20U;
 
-/// Checks the headers of an OpenEXR 2 file. Throws Error(invalid_input) if a header is truncated, if the
-/// value of an attribute does not fill its stated size (fills_its_size), or if the library would allocate
-/// more than largest_chunk_bytes at once. Files of other formats are accepted without a check.
+/// Checks the headers of an OpenEXR 2 file. Throws Error(invalid_input) if a header is truncated, an
+/// attribute's value does not fill its stated size (fills_its_size), or the library would allocate more than
+/// largest_chunk_bytes at once. Files of other formats are accepted without a check.
 void check_exr_headers(const std::filesystem::path& path);
 
 }  // namespace postlens

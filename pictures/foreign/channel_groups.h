@@ -13,8 +13,7 @@
 
 namespace postlens {
 
-/// Words, in lower case, that name a pass (the content of a channel, such as depth) and therefore do not
-/// belong to the name of a layer.
+/// Lower-case words that name a pass (such as depth). They do not belong to the name of a layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -28,8 +27,8 @@ inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward",
 /// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
 ///
 /// Programs order the words in names differently: a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
-/// in a part depth_LAYER. The layer is therefore the set of words in the names of the part and the channel,
-/// without the channel's last word (Z) and without words for the pass (depth), the view or colours.
+/// in a part depth_LAYER. The layer is therefore the set of words in the names of the part and the channel.
+/// The channel's last word (Z) and words for the pass (depth), the view or colours are left out.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty

@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor that converts an inverse depth, as stored in the file for this pixel, to the inverse of
-/// the depth along the optical axis, in 1/m.
+/// Returns the factor that converts the file's inverse depth of this pixel to 1/z, with z along the optical
+/// axis in m.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;

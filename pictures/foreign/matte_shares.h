@@ -31,7 +31,7 @@ class MatteShares {
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
     /// Reads the parts whose values were not passed to `take`. Then gives each sample of `picture` the id of
-    /// the surface that covers most of its pixel, and adds pixels that show several surfaces to
+    /// the surface that covers most of its pixel. Adds pixels that show several surfaces to
     /// ForeignPicture::mixed.
     void finish(ForeignPicture& picture);
 

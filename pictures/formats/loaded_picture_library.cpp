@@ -23,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches for the module in the folders above the file that contains this code, so that both the build
-// folder and the installation can be moved.
+// Searches the folders above the file that contains this code for the module. The build folder and the
+// installation can therefore be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;

@@ -17,7 +17,7 @@ namespace {
 /// Two inverse depths count as equal if they differ by at most this relative amount, as they do after
 /// rounding to half floats.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image counts as nearer than the front image only if it is nearer by more than this
+/// A sample of the back image counts as nearer only if it is nearer than the front image by more than this
 /// fraction of its distance. Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 

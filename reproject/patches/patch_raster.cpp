@@ -74,8 +74,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
 /// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.
-/// Bit n is set if sample begin + n lies in the patch and is nearer than the surface drawn there so far,
-/// whose inverse depth is there[n].
+/// Bit n is set if sample begin + n lies in the patch and is nearer than the surface drawn there so far
+/// (inverse depth there[n]).
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {

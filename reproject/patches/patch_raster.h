@@ -28,9 +28,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may or may not cover the pixel, because the records do not
-    /// determine the exact position of its edge (SheetNode::maybe). Surfaces behind those that have already
-    /// been drawn are ignored.
+    /// Inverse depth of the nearest surface that may or may not cover the pixel: the records do not determine
+    /// the exact position of its edge (SheetNode::maybe). Surfaces behind those that have already been drawn
+    /// are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -106,8 +106,8 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a surface that is seen by reflection or transmission must be drawn, and the object
-/// that reflects or transmits the surface in each of them.
+/// The pixels in which a surface must be drawn that is seen by reflection or transmission. For each of them,
+/// the object that reflects or transmits the surface.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
@@ -137,8 +137,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen by reflection or transmission, with a depth test. It is drawn only in pixels
-/// that show the object that reflects or transmits it, and not if the view stretches a raster px to more than
-/// `largest_torn_px`. The patch may be mirror-inverted.
+/// that show the object that reflects or transmits it. It is not drawn if the view stretches a raster px to
+/// more than `largest_torn_px`. The patch may be mirror-inverted.
 ///
 /// If WantedPixels::any_gaps is set, the reflecting or transmitting surface is missing in some pixels. A
 /// patch with an inaccurate reprojection (Patch::bent) is not drawn there. `out` must come from find_wanted.

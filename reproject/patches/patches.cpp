@@ -10,14 +10,14 @@
 namespace postlens {
 namespace {
 
-/// Largest error of the reprojected position of a cell (pixel of a surface) for a lens point on the rim of
-/// the lens, as a fraction of the radius of the circle of confusion.
+/// Largest reprojection error of a cell (pixel of a surface) for lens points on the rim of the lens. The
+/// error is a fraction of the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
 /// A surface that lies closely behind another one must not show through it. Depth tests therefore reduce the
 /// inverse depth of the rear surface by Patch::back_per_m, but at most by this fraction.
 constexpr double most_back = 0.02;
-/// If the smaller semi-axis of the circle of confusion is at least this many px, each pixel of a surface is
-/// drawn in a single colour (SheetMesh::coarse). Such a blur hides finer detail.
+/// Each pixel of a surface is drawn in a single colour (SheetMesh::coarse) if the smaller semi-axis of the
+/// circle of confusion is at least this many px. Such a blur hides finer detail.
 constexpr double coarse_from_px = 6;
 
 /// Fits planes to the cells (pixels) of a patch by least squares. Each cell has planes of its own, which the

@@ -95,8 +95,8 @@ struct PatchMesh {
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether an edge crosses a texel's quadtree leaf, so that the recorded colours at the leaf's
-    /// corners do not determine the colour within the leaf. The edge may be in the surface itself, or in a
+    /// Returns whether an edge crosses a texel's quadtree leaf. The recorded colours at the leaf's corners
+    /// then do not determine the colour within the leaf. The edge may be in the surface itself, or in a
     /// reflection or refraction that is drawn as part of it.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];

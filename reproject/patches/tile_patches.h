@@ -58,7 +58,7 @@ class PatchBins {
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Must be called
     /// after `gather`. Paths (sequences of reflections and transmissions) without patches in the rectangle
-    /// are listed, too, so that a view knows that a surface with such a path is not recorded.
+    /// are listed, too. A view then knows that a surface with such a path is not recorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

@@ -84,8 +84,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A surface's parent reflects or transmits it. In pixels in which the parent is missing, the surface
-        // is drawn only if its nearest visible ancestor lies on the same object as the parent.
+        // A surface's parent reflects or transmits it. If the parent is missing in a pixel, the surface is
+        // drawn there only if its nearest visible ancestor lies on the parent's object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);

@@ -45,8 +45,8 @@ struct ShownView {
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
     /// Returns whether use `u` (a recorded instant of the view) shows a surface's outline in pixel `k` less
-    /// precisely than the other use. This is so if the view magnifies the quadtree leaf with the outline to
-    /// more than a pixel, and the other use has recorded this part of the object at a larger size.
+    /// precisely than the other use. Two conditions must hold: the view magnifies the outline's quadtree leaf
+    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {

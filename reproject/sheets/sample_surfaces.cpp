@@ -33,7 +33,7 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
     // The slope is a depth difference divided by a width. At depth z, the depth difference is z times the
-    // relative difference of the inverse depths, and the width is z times the tangent `across`, so z cancels.
+    // relative difference of the inverse depths. The width is z times the tangent `across`, so z cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -143,7 +143,7 @@ float departure(const Mat2& a, const Mat2& b) {
 
 /// Adds the radiance and the marks (flags) of each node to all its ancestors (TreeSurface::below and
 /// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W
-/// (motion of its image with the lens point) and that of a descendant, or infinite if a descendant is
+/// (motion of the image with the lens point) and that of a descendant. It becomes infinite if a descendant is
 /// brighter than `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {

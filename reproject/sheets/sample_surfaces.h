@@ -1,5 +1,5 @@
-// Converts records to surfaces. Either each layer of a point sample becomes one surface, with the radiance of
-// its whole shading tree, or each node of the shading tree becomes one surface.
+// Converts records to surfaces: either one per layer of a point sample, with the radiance of its whole
+// shading tree, or one per node of the shading tree.
 #pragma once
 
 #include <array>
@@ -43,10 +43,10 @@ struct TreeSurface {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface: the line through both must be inclined to the film by
-/// at most 88.6 degrees, as on a sphere of 1600 px radius, half a pixel inside its outline. `across` is the
-/// distance of the samples on the film: divided by the film distance for a perspective camera, and in m for
-/// an orthographic one.
+/// Returns whether two samples can lie on one surface: the line through both may be inclined to the film by
+/// at most 88.6 degrees. A sphere of 1600 px radius has this slope half a pixel inside its outline. `across`
+/// is the distance of the samples on the film: divided by the film distance for a perspective camera, and in
+/// m for an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
 /// perspective camera, and m for an orthographic one.

@@ -169,8 +169,8 @@ struct HighlightRule {
     /// If the function is empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns, for each sheet of the mesh, the area whose radiance exceeds the limit for highlights, and whether
-/// nearer surfaces hide parts of this area.
+/// Returns, for each sheet of the mesh, the area whose radiance exceeds the limit for highlights. Also
+/// returns whether nearer surfaces hide parts of this area.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects the sheets (parts of surfaces) of an instant that are needed. Others are not built. The selection
