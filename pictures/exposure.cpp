@@ -15,8 +15,8 @@ namespace {
 
 /// exposure_warning warns if more than this fraction of the pixels is above white.
 constexpr double most_beyond_white = 0.2;
-/// exposure_warning warns if the brightest channel is above 0 but below this fraction of white. It is the
-/// smallest step of a linear 8-bit image.
+/// exposure_warning warns if the brightest channel is above 0 but below this fraction of white, the smallest
+/// step of a linear 8-bit image.
 constexpr float least_of_white = 1.0F / 255;
 
 float largest_channel(const float* rgb) {

@@ -74,8 +74,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # One call removes all of these. Separate removals would each search the whole Blender file for users, and the
-        # removal of a scene alone would need a window.
+        # One call removes the objects, meshes and the scene. Separate calls would each search the whole Blender file
+        # for users, and removing only the scene would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 

@@ -1,7 +1,7 @@
 // Writes an OpenEXR file chunk by chunk. The OpenEXR library writes only the headers.
 //
-// Writing pixels through the library would be slower. For deep data, the library needs one pointer per pixel
-// and channel. For uncompressed flat images, it waits for another thread after each row.
+// Writing pixels through the library would be slower: for deep data, it needs one pointer per pixel and
+// channel, and for uncompressed flat images, it waits for another thread after each row.
 #pragma once
 
 #include <OpenEXR/ImfForward.h>

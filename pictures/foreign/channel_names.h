@@ -13,7 +13,8 @@ namespace postlens {
 
 using ChannelNames = std::vector<std::string>;
 
-/// Returns the first of these names for which the part has a channel, or an empty text if there is none.
+/// Returns the first name in `names` that is the name of a channel of the part, or an empty text if there is
+/// none.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
 /// Splits a name after its last dot: "left.depth.Z" becomes "left.depth." and "Z".

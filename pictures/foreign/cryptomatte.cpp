@@ -144,8 +144,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where text
-/// in the form of an id follows. Returns empty if the text is not such a manifest.
+/// Reads a manifest in which quotation marks and backslashes in names are not escaped. The end of a name is
+/// recognised by the id that follows. Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();

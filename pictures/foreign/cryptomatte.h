@@ -41,7 +41,7 @@ struct Cryptomattes {
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
 /// Returns the view and layer to which a Cryptomatte belongs, from its name and from the name of the part
-/// that holds its first rank.
+/// with its first channels.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.

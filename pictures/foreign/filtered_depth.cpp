@@ -15,8 +15,8 @@ namespace {
 constexpr double same = 0.05;
 /// Smallest step in depth that counts as an edge, as a fraction of the nearer depth.
 constexpr double least_step = 0.1;
-/// On both sides of a depth edge, depths must be nearly constant. This is the largest difference between
-/// neighbouring pixels there, as a fraction of the step at the edge.
+/// Largest difference between neighbouring pixels on one side of a depth edge, as a fraction of the step at
+/// the edge. Depths must be nearly constant there.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence

@@ -39,8 +39,8 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Converts the bits of an integer, which are stored in a float, to the value of the integer. ForeignFile
-/// passes the values of integer channels in this form.
+/// Converts an integer whose bits are stored in a float to its value. ForeignFile passes integer channels in
+/// this form.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }

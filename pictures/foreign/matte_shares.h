@@ -25,9 +25,8 @@ class MatteShares {
     /// `take`, from top to bottom. Ranks (the surfaces of a pixel) must be read in order. If another part has
     /// the first rank, the result is therefore empty, and `finish` reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the values of `count` adjacent pixels. The first one has the index `pixel`. values[c] points
-    /// to its value in channel c, and the values of the other pixels follow. `picture` must have the samples
-    /// of these pixels.
+    /// Receives the values of `count` adjacent pixels, the first of which has the index `pixel`. values[c]
+    /// points to the `count` values of channel c. `picture` must have the samples of these pixels.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
     /// Reads the parts whose values were not passed to `take`. Then gives each sample of `picture` the id of

@@ -27,7 +27,7 @@ struct PlainPng {
     std::string made_by;   ///< postlens.made_by; empty if there is none
 };
 
-/// `data` is a tEXt chunk of a PNG file. Sets `value` to its text if it has this key.
+/// `data` is a tEXt chunk of a PNG file. If it has the key `key`, sets `value` to its text.
 void take_text(std::string_view data, std::string_view key, std::string& value) {
     if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
         value = data.substr(key.size() + 1);

@@ -74,8 +74,8 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the result, by the same rule as begin_of_both. The raster has
-/// `size` rows or columns.
+/// Returns the end (last row or column + 1) of the combined image, by the same rule as begin_of_both. The
+/// raster has `size` rows or columns.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }

@@ -14,8 +14,8 @@ namespace {
 /// seen edge-on and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of a row that are processed together. It is few_lanes if the patch covers at most
-/// few_lanes samples in every row, and most_lanes otherwise.
+/// Number of samples of a row that are processed together: few_lanes if the patch covers at most few_lanes
+/// samples in every row, otherwise most_lanes.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 

@@ -17,8 +17,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Returns the largest deviation of an entry of W from its value at the patch's centre: the sum, over both
-    // axes, of |slope| times half the extent.
+    // Returns the largest deviation of an entry `w` of the matrix W from its value at the patch's centre: the
+    // sum, over both axes, of |slope| times half the extent.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };

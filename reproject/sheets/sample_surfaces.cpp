@@ -10,8 +10,8 @@ namespace {
 /// the samples belong to two different surfaces.
 constexpr double steepest_slope = 40;
 
-/// Adds up the radiance of all shading-tree nodes of one sample and layer, as a single surface. Returns false
-/// if none of these nodes is seen directly.
+/// Combines the shading-tree nodes of one sample and layer into a single surface, with their total radiance.
+/// Returns false if none of these nodes is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;

@@ -48,7 +48,7 @@ struct Texel {
     }
     static constexpr std::uint32_t sheet_shift = 4, children_bits = 3, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
-    /// Returns two bits (child_bit): whether a reflection and whether a refraction of the surface is
+    /// Returns two bits (child_bit), which state whether a reflection and a refraction of the surface are
     /// recorded.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
     /// Returns whether an edge may cross the quadtree leaf, so that the colours at the leaf's corners do not

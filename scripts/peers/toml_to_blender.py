@@ -469,8 +469,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Images by Cycles' default sampler (pmj) need more samples to be free of bias than those by Sobol points
-    # (README.md).
+    # Cycles' default sampler (pmj) needs more samples than Sobol points for images without bias (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
