@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Largest absolute value, in stops, of an exposure that is given by the user or stored in a file. It keeps
-/// values within the range of floats, about 126 stops above and below 1.
+/// Largest absolute value, in stops, of an exposure that is given by the user or stored in a file. It lies
+/// within the range of floats, about 126 stops above and below 1.
 inline constexpr double most_exposure_stops = 100;
 
 /// Returns 2^stops, the factor that converts radiance to image values, in which 1 is white. The factor for 0
