@@ -83,7 +83,7 @@ std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("Scene {}. {:.0f} % of the pixels differ from the pinhole image.",
                                   view_text(e.what.view), 100 * e.result.affected_share);
     if (e.result.named_share) {
-        out += fmt::format(" The cause {} accounts for {:.0f} % of the squared error.", e.what.cause,
+        out += fmt::format(" This section's cause accounts for {:.0f} % of the squared error.",
                            100 * *e.result.named_share);
     }
     return out;
