@@ -142,30 +142,16 @@ void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
 }
 
 RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
-    RasterWindow out;
-    for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
-        const Kernel& k = kernels_.kernel(s.kernel, channel);
-        const RasterWindow r{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()};
-        out = channel == 0 ? r : around(out, r);
-    }
-    return out;
+    const Reach& r = kernels_.reach(s.kernel);
+    return {s.x + r.dx_begin, s.x + r.dx_end, s.y + r.dy_begin, s.y + r.dy_end};
 }
 
-void LayerSplats::find_reach(LayerCell& cell) {
-    constexpr int step = LayerSplat::reach_step_px;
-    const auto below = [](int px) { return static_cast<std::int16_t>(std::floor(px / double{step})); };
-    const auto above = [](int px) { return static_cast<std::int16_t>(std::ceil(px / double{step})); };
+void LayerSplats::find_reach(LayerCell& cell) const {
     bool first = true;
     for (const LayerRun& run : runs(cell)) {
-        for (std::uint32_t i = run.begin; i < run.end; ++i) {
-            LayerSplat& s = rows_[run.row].splats[i];
-            const RasterWindow r = reach_of(s);
-            cell.reach = first ? r : around(cell.reach, r);
+        for (const LayerSplat& s : splats(run)) {
+            cell.reach = first ? reach_of(s) : around(cell.reach, reach_of(s));
             first = false;
-            s.x_first = below(r.x_begin - s.x);
-            s.x_last = above(r.x_end - s.x);
-            s.y_first = below(r.y_begin - s.y);
-            s.y_last = above(r.y_end - s.y);
         }
     }
 }

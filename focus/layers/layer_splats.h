@@ -63,15 +63,6 @@ struct LayerSplat {
     /// The part of `weight` that no lens point sees. It is hidden by a surface in front that moves together
     /// with the record's surface when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// Rectangle around the kernel, relative to the anchor (x, y), in units of `reach_step_px`. Blocks of the
-    /// image outside this rectangle skip the splat. LayerSplats computes the rectangle.
-    std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
-    static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
-    /// Returns whether the window and `rows` have a pixel in common.
-    [[nodiscard]] bool reaches(const RasterWindow& rows) const {
-        return x + reach_step_px * x_last > rows.x_begin && x + reach_step_px * x_first < rows.x_end &&
-               y + reach_step_px * y_last > rows.y_begin && y + reach_step_px * y_first < rows.y_end;
-    }
 };
 
 /// The splats of one LayerPart (group that is summed together) in one row of a tile (64 x 64 px). They are
@@ -181,7 +172,7 @@ class LayerSplats {
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();
-    void find_reach(LayerCell& cell);
+    void find_reach(LayerCell& cell) const;
     /// Stores the splats of row y in rows_. Splats that are not needed in memory are first removed from
     /// `made`.
     void store(int y, Row& made);

@@ -84,14 +84,17 @@ struct LayerPass {
 constexpr std::size_t longest_run = 64;
 
 /// Returns how many splats at the beginning of `splats` can be added together. They must reach the block,
-/// have adjacent anchors and share one kernel.
+/// have adjacent anchors and share one kernel, whose pixels are `reach`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
-                                                             const RasterWindow& rows) {
-    const std::size_t most = std::min(splats.size(), longest_run);
+                                                             const Reach& reach, const RasterWindow& rows) {
+    const LayerSplat& s = splats[0];
+    if (s.y + reach.dy_end <= rows.y_begin || s.y + reach.dy_begin >= rows.y_end ||
+        s.x + reach.dx_end <= rows.x_begin)
+        return 0;
+    const int reaching = std::max(0, rows.x_end - reach.dx_begin - s.x);
+    const std::size_t most = std::min({splats.size(), longest_run, static_cast<std::size_t>(reaching)});
     std::size_t n = 0;
-    while (n < most && splats[n].kernel == splats[0].kernel && splats[n].y == splats[0].y &&
-           splats[n].x == splats[0].x + static_cast<int>(n) && splats[n].reaches(rows))
-        ++n;
+    while (n < most && splats[n].kernel == s.kernel && splats[n].x == s.x + static_cast<int>(n)) ++n;
     return n;
 }
 
@@ -184,13 +187,14 @@ __attribute__((always_inline)) inline void add_one(const Values& values, const K
     add(changes, std::min(right_begin, width), -inner);
 }
 
-/// Adds splats to a block.
+/// Adds splats of one row to a block.
 template <typename Values>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
     std::array<Values, longest_run> values;
     for (std::size_t i = 0; i < pass.splats.size();) {
-        const std::size_t run = run_length(pass.splats.subspan(i), pass.rows);
+        const std::size_t run =
+            run_length(pass.splats.subspan(i), pass.kernels->reach(pass.splats[i].kernel), pass.rows);
         if (run == 0) {
             ++i;
             continue;

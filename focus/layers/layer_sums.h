@@ -24,7 +24,7 @@ class LayerSums {
     /// Samples lie `from_anchor_px` to the right of their anchors (integer raster positions) and as far below
     /// them.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
-    /// Adds splats with the kernels of one channel.
+    /// Adds splats of one row of samples, with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
     /// Sums up the differences between neighbouring pixels along each row. Call it after the last splat and
     /// before reading the sums.

@@ -250,6 +250,13 @@ void KernelTable::make_channels(const std::vector<std::uint32_t>& numbers) {
     }
 }
 
+void Reach::include(const Reach& other) {
+    dy_begin = std::min(dy_begin, other.dy_begin);
+    dy_end = std::max(dy_end, other.dy_end);
+    dx_begin = std::min(dx_begin, other.dx_begin);
+    dx_end = std::max(dx_end, other.dx_end);
+}
+
 void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
@@ -278,6 +285,13 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     } else {
         parallel_for(
             to_build.size(), [&](std::size_t i) { kernels_[i] = make(keys_[to_build[i]]); }, 4);
+    }
+    reaches_.assign(kernel_of_.size(), {});
+    for (std::uint32_t number = 0; number < numbers(); ++number) {
+        for (std::size_t channel = 0; channel < channels_; ++channel) {
+            const Kernel& k = kernel(number, channel);
+            reaches_[number].include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
+        }
     }
     keys_ = {};
     built_ = true;

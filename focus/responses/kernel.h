@@ -127,6 +127,13 @@ struct KernelKey {
     void round_map(int bits);
 };
 
+/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end). They are
+/// relative to the kernel's anchor, the integer raster position at which it is placed.
+struct Reach {
+    int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
+    void include(const Reach& other);
+};
+
 /// Table of kernels (impulse responses on the pixel grid), each with a number. First, any thread may request
 /// the number of a key with `number_of`. Then `build` builds the kernels of all requested keys. The number
 /// that a key gets depends on the timing of threads, but its kernel does not.
@@ -159,6 +166,8 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
+    /// Returns the pixels that the kernels of a number reach, in any channel. Call it after `build`.
+    [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
     /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The numbers of
     /// unused discs refer to other kernels.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
@@ -195,6 +204,7 @@ class KernelTable {
     std::deque<KernelKey> keys_;            ///< per number; empty after `build`
     std::vector<Kernel> kernels_;           ///< channels_ kernels per element of kernel_of_
     std::vector<std::uint32_t> kernel_of_;  ///< per number, the index of its kernels divided by channels_
+    std::vector<Reach> reaches_;            ///< per number
     std::size_t channels_ = 1;
     bool built_ = false;
     int discs_used_ = 0;

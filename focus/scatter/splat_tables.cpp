@@ -288,28 +288,11 @@ void SplatTables::add_rows(const FrameRows& rows) {
     if (keep_ == Keep::strip) strip_rows_.settle();
 }
 
-void Reach::include(const Reach& other) {
-    dy_begin = std::min(dy_begin, other.dy_begin);
-    dy_end = std::max(dy_end, other.dy_end);
-    dx_begin = std::min(dx_begin, other.dx_begin);
-    dx_end = std::max(dx_end, other.dx_end);
-}
-
 std::size_t reach_class(const Reach& reach) {
     constexpr std::array<int, reach_classes - 1> limits_px{8, 16, 32, 64, 256};
     const int farthest = std::max({-reach.dy_begin, reach.dy_end, -reach.dx_begin, reach.dx_end});
     return static_cast<std::size_t>(std::lower_bound(limits_px.begin(), limits_px.end(), farthest) -
                                     limits_px.begin());
-}
-
-void SplatTables::find_reaches() {
-    reach_.assign(kernels_.numbers(), {});
-    for (std::uint32_t number = 0; number < reach_.size(); ++number) {
-        for (std::size_t channel = 0; channel < kernels_.channels(); ++channel) {
-            const Kernel& k = kernels_.kernel(number, channel);
-            reach_[number].include({k.y_begin, k.y_end(), k.x_begin, k.x_end});
-        }
-    }
 }
 
 // Sorts the splats of a row by how far they reach (reach_classes). Within a class they remain sorted by
@@ -343,7 +326,6 @@ void SplatTables::sort_rows() {
 void SplatTables::finish() {
     builders_->of_thread.clear();
     kernels_.build();
-    find_reaches();
     if (keep_ == Keep::all) kernels_.forget_keys();
     for (SplatRow& row : rows_) {
         for (const SplatRun& run : row.runs) {

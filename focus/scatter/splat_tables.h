@@ -42,13 +42,6 @@ struct SplatRun {
     std::uint32_t kernel = 0;
 };
 
-/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end). They are
-/// relative to the kernel's anchor, the integer raster position at which it is placed.
-struct Reach {
-    int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
-    void include(const Reach& other);
-};
-
 /// Number of classes into which the splats of a row are sorted by the size of their kernels. Blocks far from
 /// the row then test only the classes with large kernels.
 inline constexpr std::size_t reach_classes = 6;
@@ -163,8 +156,7 @@ class SplatTables {
     class RowBuilder;
     struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
-    [[nodiscard]] const Reach& reach_of(const Splat& splat) const { return reach_[splat.kernel]; }
-    void find_reaches();
+    [[nodiscard]] const Reach& reach_of(const Splat& splat) const { return kernels_.reach(splat.kernel); }
     [[nodiscard]] bool reaches_strip(const Splat& splat, const Reach& reach, int y) const;
     void sort_by_reach(SplatRow& row) const;
     void sort_rows();
@@ -176,7 +168,6 @@ class SplatTables {
     NodeResponses responses_;
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
-    std::vector<Reach> reach_;            ///< per kernel number
     /// Colours of the samples at pixel corners, one plane per channel. Only corners that belong to a run
     /// (adjacent samples that share a disc) are initialised.
     std::array<std::unique_ptr<float[]>, 3> raster_;
