@@ -194,7 +194,7 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
             q.amount = p.at("amount").get<int>();
             q.trace = p.at("trace").get<std::string>();
             q.seconds = p.at("seconds").get<std::vector<double>>();
-            // Charts of old versions lack these two keys, which are the times of images that one call makes.
+            // Charts of old versions do not contain these two keys.
             q.first_of_many_s = p.value("first_of_many_s", std::vector<double>());
             q.further_s = p.value("further_s", std::vector<double>());
             if (!p.at("figures").is_null()) q.figures = figures_from(p.at("figures"));

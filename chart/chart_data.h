@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Error of an image against the reference of the chart. The noise of the reference is subtracted if there
-/// are two references, whose difference shows it. NaN means that a value is unknown.
+/// Error of an image against the reference of the chart. If there are two references, their difference gives
+/// the noise of the reference, which is then subtracted. NaN means that a value is unknown.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound

@@ -12,7 +12,7 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden surfaces, and one that divides pixels coarsely.
+// Plans three traces: the best one, one without hidden surfaces, and one that subdivides pixels only once.
 // Comparing them shows how much hidden surfaces and fine subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);

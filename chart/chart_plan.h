@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number to pass to the trace. To find the diameter of the lens, the trace divides the
-    /// film distance, and not the focal length, by the f-number.
+    /// Returns the f-number that gives the trace the same lens diameter as the image. The trace computes it
+    /// as film distance / f-number instead of focal length / f-number.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -51,8 +51,8 @@ struct ChartPlan {
 /// nothing would blur the image, because the f-number is infinite and there is no shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Returns settings of a trace that records every surface visible through the lens and during the shutter of
-/// this view.
+/// Returns settings of a trace that records every surface that some point of the lens sees during the shutter
+/// interval of this view.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);

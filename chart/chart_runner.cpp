@@ -320,8 +320,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images with different lenses: first the lens of the chart stopped down by a sixth
-    // of a stop, and then the lens of the chart.
+    // Times a sweep of two images. The lenses of a sweep differ, so the first image is made with the lens of
+    // the chart stopped down by a sixth of a stop.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

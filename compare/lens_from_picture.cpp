@@ -12,24 +12,25 @@
 namespace postlens {
 namespace {
 
-/// Residuals above these limits count linearly instead of quadratically. The first refinement of the lens
-/// starts far from the true lens, so its limit is large. The limit of the last refinement is about as large
-/// as the noise of an image with 256 samples per pixel.
+/// Residuals (differences of picture_tone) above these limits count linearly instead of quadratically. The
+/// lens is fitted in two runs. The first run starts far from the true lens, so its limit is large. The limit
+/// of the last run is about the noise of an image with 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
 /// Half the step of the central differences in the inverse focus distance 1/s, as a fraction of the range of
 /// inverse depths in the file.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the blocks of pixels for the standard errors. Residuals in different blocks are treated as
-/// independent.
+/// Side, in px, of the square blocks from whose sums the standard errors are computed. Residuals in different
+/// blocks are assumed to be independent.
 constexpr std::size_t block_px = 16;
-/// Smallest accepted variation of the image, as root mean square difference from its median tone. A constant
-/// image shows no blur from which the lens could be estimated.
+/// Smallest accepted contrast of the image: the RMS difference between its tones (picture_tone) and their
+/// median. An image with less contrast shows no blur from which the lens could be estimated.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual of the best lens, as a fraction of the image's RMS difference from its median
-/// tone. The fraction is about 0.1 if the file shows the same view as the image, and almost 1 otherwise.
+/// Largest accepted RMS residual of the best lens, as a fraction of the image's contrast (see least_spread).
+/// It is about 0.1 if the file shows the same view as the image. If it shows another view, no lens explains
+/// the image, and the fraction is almost 1.
 constexpr double most_left = 0.5;
-/// Largest accepted error of the best lens, as a fraction of the error of the image without blur. If the
-/// error is larger, no lens explains the image clearly better than the pinhole.
+/// The error of the best lens must be at most this fraction of the error of the pinhole image. Otherwise the
+/// lens does not explain the image clearly better than the pinhole.
 constexpr double least_gain = 0.8;
 /// Minimum range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
 /// If the range is smaller, all objects have practically the same depth.
@@ -91,12 +92,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The solver stops after a step that lowers the error by a fraction of less than `tolerance`. Near the
-    // minimum, the error depends quadratically on the parameters. After a step that lowers it by 1e-4, the
-    // next step changes the parameters by far less than 0.1 %.
+    // The solver stops after a step that lowers the error by less than the fraction `tolerance`. With a
+    // tolerance of 1e-4, a further step would change the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The trust region stays large, so the solver stops when full steps no longer lower the error. Smaller
-    // steps would not help, because the image computed for a lens changes only in discrete steps.
+    // The solver stops when a full step does not lower the error. A smaller trust region, and thus smaller
+    // steps, would not help: the image computed for a lens changes only in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;

@@ -24,13 +24,13 @@ namespace {
 /// independent halves gets 8 of them.
 constexpr int first_views = 16;
 
-/// Largest number of times that views are added only to compare two images more accurately: the image made
-/// from views, and a second one made by the method `layers`. This is done if the second one may have less
-/// than half the error of the first.
+/// Largest number of steps that add views only to measure the image of the method `layers` more accurately.
+/// Such a step is made if this image alone may have less than half the error of the result.
 constexpr int most_comparisons = 2;
 
-/// If the 95 % interval of the error is too wide, views are added, up to these multiples of the number of
-/// views that first met the target. The first limit applies with rays, and the second one without.
+/// After the target is met, more views narrow the 95 % interval of the error. In all, at most
+/// `most_narrowing` times as many views are drawn as met the target, or without rays
+/// `most_narrowing_of_noise` times as many.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of view samples (views times pixels) in all tiles together.
@@ -82,9 +82,9 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the error of the records is known least accurately, so that the other tiles
-/// contribute at most `most_variance` to the variance of the image's error. Check rays have measured this
-/// error: their radiance was compared with the records.
+/// Check rays measure the error of the records in each tile. Selects the tiles in which this measurement is
+/// least accurate. The remaining tiles contribute at most `most_variance` to the variance of the image's
+/// error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -92,9 +92,10 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles whose highlights have the largest errors, so that the highlights of the other tiles
-/// cause at most a quarter of the target error `most_mse`. A tile is not selected if rays would show its
-/// highlights with too much noise to meet the target.
+/// Selects the tiles in which rays, instead of impulse responses, should show the highlights, because their
+/// errors are largest there. The highlights of the remaining tiles cause at most a quarter of the target
+/// error `most_mse`. A tile is not selected if even the largest number of rays would leave a noise above
+/// `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -109,10 +110,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns the number of views of each tile for the next step, if the 95 % interval of the error is too wide.
-/// Its width is proportional to the standard deviation of the error's estimate divided by the error. The
-/// numbers are doubled in the tiles where this narrows the interval most, until the expected width is below
-/// `wanted_interval_db`. `most_samples` limits views times pixels in the image.
+/// Returns the number of views of each tile for the next step, if the 95 % interval of the error, in dB, is
+/// too wide. Doubles the views of the tiles in which this narrows the interval most, until the expected width
+/// is below `wanted_interval_db`. The width is proportional to the standard error divided by the error.
+/// `most_samples` is the largest number of view samples (views times pixels) in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -153,8 +154,9 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Estimates which share of the records describes reflected or transmitted surfaces, from evenly spaced rows
-/// of the file. If the file was recorded at several instants, only the frame's own instant is counted.
+/// Estimates, from evenly spaced rows, the share of records that lie deeper in the shading trees, i.e. on
+/// reflected or transmitted surfaces. If several instants were recorded, only the frame's own instant is
+/// counted.
 double deeper_share(const SampleFileReader& file) {
     constexpr std::size_t most_rows = 16;
     const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
@@ -170,10 +172,9 @@ double deeper_share(const SampleFileReader& file) {
     return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
 }
 
-/// Returns whether the method `layers` takes no longer than drawing the first views. Its time is proportional
-/// to the number of records, and the time of views to the number of their pixels. A directly visible record
-/// takes about as long as a pixel of a view. A reflected or transmitted record takes `deeper_cost` times as
-/// long.
+/// Returns whether the method `layers` takes no longer than drawing the first views. It takes as long for a
+/// record of a directly visible surface as a view takes for a pixel, and `deeper_cost` times as long for a
+/// record of a reflected or transmitted surface.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -292,9 +293,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views reduce the noise, but not the error of the highlights. If the highlights alone
-            // clearly exceed the target error, the noise is only reduced to a quarter of the error of the
-            // highlights.
+            // More views do not reduce the error of the highlights. If this error is more than twice the
+            // target, it suffices to reduce the noise to a quarter of it: half here, which `doubled_for`
+            // halves again.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -302,9 +303,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, the error of a single tile is estimated inaccurately, and selecting tiles by
-            // such estimates makes intervals too narrow. The first step therefore doubles the views of all
-            // tiles that have an error.
+            // With few views, the errors of single tiles are inaccurate. Selecting tiles by such errors would
+            // make the stated interval too narrow. The first step therefore doubles the views of all tiles
+            // that have an error.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =
@@ -314,8 +315,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
         }
         if (is_met && next == wanted && layers && comparisons < most_comparisons) {
-            // If the image of `layers` alone may have less than half the error of the mixed image, views are
-            // added to compare the two more accurately.
+            // The image is a mixture of views and of the image of `layers`. If the latter alone may have less
+            // than half the error of the mixture, views are added to measure both errors more accurately.
             const double alone = least_alone_mse(measured, grid);
             if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
             ++comparisons;

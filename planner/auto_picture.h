@@ -15,9 +15,9 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If the value is absent,
-    /// the target is default_target_db. There is then no warning if only the upper bound of the error misses
-    /// the target.
+    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If it is absent, the
+    /// target is default_target_db. If it is set and no scene is given, the warning `unsure` reports that
+    /// AutoResult::bound_mse misses the target although the noise meets it.
     std::optional<double> target_db;
 };
 
@@ -25,8 +25,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels. It is caused by
-    /// the noise of the views and by the image of `layers` that is mixed with them.
+    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels, without the
+    /// error of the records. It includes the error of the image made by `layers`, as far as that is mixed in.
     double noise_mse = 0;
 };
 
@@ -39,9 +39,9 @@ struct AutoResult {
     /// Share of the view samples (pixels of single views) whose colours the records do not determine. Set
     /// only if no scene is given.
     double unsure_share = 0;
-    /// `noise_mse` is the measured noise of the views. `bound_mse` is an upper bound of the error caused by
-    /// this noise and by samples whose colours the records do not determine (planner/errors/records_bound.h).
-    /// Both are set only if no scene is given. In this case `hybrid.stated` is empty.
+    /// Without a scene, the error is not measured, and `hybrid.stated` is empty. Instead, `noise_mse` is the
+    /// measured noise of the views, and `bound_mse` is an upper bound of the error that this noise and the
+    /// unsure view samples cause (planner/errors/records_bound.h).
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

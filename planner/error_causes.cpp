@@ -20,15 +20,15 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A cause explains the error of a pixel if an image without this cause has at most half the error there, and
-/// so at most this fraction of the squared error.
+/// To test a cause, the image is made again without it. The cause explains the error of a pixel if this at
+/// least halves the error, i.e. multiplies the squared error by at most this factor.
 constexpr double explained = 0.25;
 /// A cause is accepted if its estimated squared error is at least this fraction of the pixel's squared error.
-/// The limit for the density of the records is smaller, because its estimate is often too small: edges that
-/// pass between samples are not counted.
+/// `noticeable_density` applies to the density of the records. It is smaller, because that error is often
+/// underestimated: edges that pass between samples are not counted.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// If the records lack less than this share of a pixel's light, they count as complete in this pixel.
+/// A pixel counts as completely recorded if less than this share of its light is missing in the records.
 constexpr float tolerated_unknown = 0.02F;
 /// If more than this fraction of the squared error has no known cause, the scene is traced again to find it.
 constexpr double worth_trials = 0.1;
@@ -52,9 +52,9 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// Estimates which share of a pixel's light comes from beyond the overscan (the pixels traced outside the
-/// image). It is the part of the pixel's circle of confusion that lies beyond the overscan. The circle is
-/// assumed to be as large as the largest circle along that side of the image.
+/// Estimates the share of a pixel's light that comes from beyond the overscan (the pixels traced outside the
+/// image). It is the part of the pixel's circle of confusion that lies there. On each of the four sides, the
+/// circle is assumed to be as large as the largest one recorded along that border.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
@@ -120,7 +120,7 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of an error that a light field with many views does not have.
+/// Returns the cause of an error that disappears in a light field of many views from the same records.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -226,9 +226,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of further instants show surfaces that rotate into view, and new colours of surfaces
-            // that were already recorded. If almost all surfaces were already recorded, the new colours are
-            // the cause.
+            // Records of further instants add surfaces that rotate into view, and new colours of known
+            // surfaces. If the file lacks almost no light of this pixel, the new colours corrected it.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
@@ -237,8 +236,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // The unrecorded share of the light includes light from beyond the overscan (the pixels traced
-            // outside the image). This light is another cause of error, so its share is subtracted.
+            // Light from beyond the overscan (the pixels traced outside the image) is also unrecorded. It is
+            // subtracted, because it belongs to another cause, frame_edge.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

@@ -33,8 +33,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by the time to draw one view of the whole image. The pixels in which
-/// `scatter` is exact are left to it if this saves more time than it takes.
+/// Time of the method `scatter`, divided by the time to draw one view of the whole image. `scatter` makes the
+/// pixels in which it is exact if drawing their views would take longer.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -87,8 +87,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// with rays.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles whose highlights would have smaller errors if rays showed them instead of impulse
-/// responses.
+/// Returns 1 for tiles in which rays should show the highlights, because the error of impulse responses
+/// exceeds the noise that rays would have, and its own standard error.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

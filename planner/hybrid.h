@@ -27,9 +27,9 @@ struct HybridSettings {
     /// The scene from which the file was traced. Rays into the scene replace samples whose colours the
     /// records do not determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects the view samples that are compared with rays, for each half of the views
-    /// (FieldViews::checked). Only used to measure the error of the records, and only with a scene. If the
-    /// function is set, HybridResult::stated stays empty.
+    /// Selects, in each half of the views, the samples of a pixel that are compared with rays
+    /// (FieldViews::checked). Only used with a scene. The function replaces the selection from which the
+    /// error of the image is computed, so HybridResult::stated stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
@@ -37,8 +37,8 @@ struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
     /// Share of the pixels of the image or crop that the method `scatter` makes. Set only without a scene.
     double scattered_share = 0;
-    /// Share of the pixels of the image or crop for which too much light is not recorded or is reprojected to
-    /// wrong positions. Set only without a scene.
+    /// Share of the pixels of the image or crop that would need rays: too much of their light is not recorded
+    /// or is reprojected to wrong positions. Set only without a scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;

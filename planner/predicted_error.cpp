@@ -14,8 +14,9 @@
 namespace postlens {
 namespace {
 
-/// Smallest number of views that are drawn for the estimate, and index of their first set of lens points. The
-/// image itself uses sets with lower indices, so its error and that of the estimate are independent.
+/// At least `least_views` views are drawn for the estimate. Their sets of lens points begin at the index
+/// `first_set`. The image itself uses sets with lower indices, so its error is independent of the errors of
+/// these views.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

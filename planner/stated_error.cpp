@@ -12,9 +12,9 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is mixed with the views of a tile. It minimises the error of
-/// the mixed image plus `price` times the variance of this error's estimate. If the views have no noise, the
-/// weight is 0.
+/// Returns the weight with which another image is mixed with the views of a tile. It minimises the estimated
+/// error plus `price` times the variance of this estimate. A higher price thus gives a larger error that is
+/// known more accurately. If the views have no noise, the weight is 0.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -77,7 +77,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    // By chance, an estimate may be too small or even negative. It is therefore raised to at least its own
+    // By chance, `views_mse` may be too small or even negative. It is therefore set to at least its own
     // standard deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
@@ -90,7 +90,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The weights do not affect the error of the records, so the variance of that error is left out.
+    // The variance of the error of the records is ignored here, because the weights do not change that error.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -98,8 +98,8 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // The price of the variance (see weight_of) is 0 in the first step. It is small in the second step and
-    // doubles in each further step, until the interval is at most wanted_interval_db wide.
+    // `price`, the weight of the variance in weight_of, is 0 in the first step and small in the second. It
+    // doubles in each further step, until the 95 % interval is at most wanted_interval_db wide.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

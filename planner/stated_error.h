@@ -36,8 +36,8 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Returns the width of the 95 % interval, in dB. The first overload returns the width for this error.
-    /// The second returns the width for an error `mse` whose estimate has the given variance.
+    /// Returns the width of the 95 % interval, in dB: of this error, or of an error `mse` whose estimate has
+    /// the given variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
@@ -53,9 +53,9 @@ struct StatedError {
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Chooses, for each tile, the weight of the other image that is mixed with the views. Several sets of
-/// weights are tried: first the set with the smallest estimated error, then sets whose estimates are less and
-/// less uncertain. The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there
-/// is none, the set whose interval has the lowest upper end is chosen.
+/// weights are tried. The first set has the smallest estimated error. Each further set accepts a larger error
+/// to estimate it more accurately. The first set whose 95 % interval is at most wanted_interval_db wide is
+/// chosen. If there is none, the set with the smallest StatedError::high_mse is chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -35,8 +35,8 @@ struct FocusSettings {
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
     /// Additional channels (`--passes`), only for a picture of another program: "coc" (circle of confusion),
-    /// "sides" (what lies in front of, in and behind the focus), "cryptomatte", "error" (noise of the
-    /// picture).
+    /// "sides" (fractions of the pixel in front of, in and behind the focus), "cryptomatte", "error" (noise
+    /// of the picture).
     std::vector<std::string> passes = {};
     /// Further options of `postlens focus`, such as {"--depth-model=path", "--exposure=auto"}.
     std::vector<std::string> options = {};

@@ -66,7 +66,7 @@ struct Records {
     std::vector<float> w = {};
     /// Error of the matrix W, in 1/m^2. It arises if the image of the surface does not move linearly with the
     /// eye. It is 0 if W is exact, or if its error was not measured. It is infinite if other lens points do
-    /// not see the surface by the same reflections and transmissions.
+    /// not see the surface along this path of reflections and transmissions.
     std::vector<float> w_bend = {};
 };
 

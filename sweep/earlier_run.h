@@ -29,8 +29,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an image with the key `earlier` can be kept. Its settings must equal `s`. It may have
-    /// a predicted error even if this sweep predicts none.
+    /// Returns true if an image of an earlier run can be kept, i.e. if its key `earlier` belongs to the
+    /// settings `s`. If this sweep predicts no errors, images with a predicted error can be kept, too.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

@@ -11,13 +11,12 @@
 
 namespace postlens {
 
-/// The inverse depths of a sample file. All images of a sweep have the same, because only lens and shutter
-/// vary.
+/// The inverse depths of a sample file. They apply to all images of a sweep, because lens and shutter do not
+/// change them.
 struct FrameDepths {
     int width = 0, height = 0;
-    /// The inverse depth 1/z', in 1/m, of the primary node (the surface that the eye ray hits first) at the
-    /// upper left corner of each pixel. z' is the path length along the optical axis. The value is 0 if
-    /// nothing was hit.
+    /// Inverse depth, in 1/m, of the directly visible surface at the upper left corner of each pixel. The
+    /// depth is measured along the optical axis. The value is 0 if nothing was hit.
     std::vector<float> inverse_z;
 };
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);

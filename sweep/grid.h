@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value. An
-/// impulse response that is a lens prescription is an exception: its own focal length replaces
-/// `focal_lengths_mm`, and its own f-number is used if `f_numbers` is empty.
+/// The values of each setting that a sweep varies. Images with a lens prescription as impulse response use
+/// its focal length instead of `focal_lengths_mm`, and its f-number if `f_numbers` is empty. Otherwise all
+/// lists except `shutters` need at least one value.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur

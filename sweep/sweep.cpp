@@ -280,8 +280,8 @@ class Sweep {
     /// Computes values that the table rows of all images need: the depths of the sample file, and the
     /// gradient energy of the pinhole image.
     void prepare() {
-        // For methods that use the light field, the frame of `maker_` keeps prepared surfaces instead of
-        // records. The records are then read by a second frame.
+        // To draw light fields, the frame of `maker_` keeps only the surfaces built from the records. A
+        // second frame then reads the records.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -298,15 +298,15 @@ class Sweep {
                                 .image);
     }
 
-    // Records a warning if the matrix W is inaccurate for this lens. W describes how a reflected or refracted
-    // image shifts when the lens point moves. The command `focus` warns under the same conditions.
+    // Records a warning, like the command `focus`, if this lens makes objects in mirrors and glass appear at
+    // wrong positions. The matrix W, which reprojects their records, is only a linear model of their motion.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning depends on the lens only by this product of gain and squared aperture radius, so it is
-        // computed once for each value of the product.
+        // The error of a reprojected position, in px, is proportional to this product. Lenses with the same
+        // product therefore get the same warning, which is computed only once.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

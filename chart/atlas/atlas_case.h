@@ -13,11 +13,11 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes the sample file of a case. If one is absent, `for_view` selects its
-/// value.
+/// Settings of the trace that makes the sample file of a case. Settings that are absent keep the values that
+/// `for_view` selects.
 struct AtlasTrace {
-    /// If true, the trace records what can be seen through the lens and during the shutter of the case
-    /// (best_trace). If false, it has default settings.
+    /// If true, the trace records all surfaces that the lens and shutter of the case need (best_trace). If
+    /// false, it has default settings.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
     /// Focus distance, m, for which to trace. If absent, the focus distance of the image is used.

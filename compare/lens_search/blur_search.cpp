@@ -17,8 +17,8 @@ constexpr double narrowest_coc_px = 0.7;
 /// Blur diameters that the search tests. They increase by 0.5 px up to 8 px, and then by a 16th of the
 /// diameter.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels to compare. More pixels do not improve the result, because the apertures that are
-/// tested differ by about 10 %.
+/// Largest number of pixels to compare. More would not help, because the accuracy is limited by the tested
+/// apertures, which differ by about 10 %.
 constexpr std::size_t most_pixels = 12000;
 /// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the blur model
 /// itself has errors of about this size.

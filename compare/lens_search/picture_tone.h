@@ -1,5 +1,5 @@
-// The tone of pixels, by which images are compared when a lens is fitted. Dark tones are nearly linear in the
-// luminance, and bright ones logarithmic.
+// The scale of brightness (tone) on which images are compared when a lens is fitted. It is nearly linear in
+// the luminance for dark pixels, and logarithmic for bright ones.
 #pragma once
 
 #include <algorithm>

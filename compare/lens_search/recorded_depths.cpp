@@ -12,8 +12,8 @@ constexpr int rows_per_band = 64;
 /// A pixel is a depth edge if the diameter of the circle of confusion varies by at least this many px within
 /// the pixel.
 constexpr double edge_px = 1;
-/// Margin, in px, added to the radius of a circle of confusion. It covers the pixel that spreads light and
-/// the pixel that receives it, because half their diagonals together are 1.41 px.
+/// Margin, in px, added to the radius of a circle of confusion. Light leaves from and arrives at any point of
+/// a pixel, not only its centre. Half the diagonals of two pixels are 1.41 px together.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {

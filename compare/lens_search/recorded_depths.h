@@ -24,10 +24,10 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns 1 for each pixel in which the simulated lens blur (`focus`) is as accurate as the samples, and 0
-/// for the others. A pixel is reliable if it receives no light from a depth edge and none from beyond the
-/// recorded area. A depth edge is a pixel within which the diameter of the circle of confusion (CoC) varies
-/// by 1 px or more. Such a pixel spreads its light as far as the largest CoC radius within it.
+/// Returns 1 for each pixel in which the simulated lens blur (`focus`) is reliable, and 0 for the others. A
+/// reliable pixel receives light neither from a depth edge nor from outside the recorded area. A depth edge
+/// is a pixel within which the diameter of the circle of confusion (CoC) varies by 1 px or more. Such a pixel
+/// spreads its light as far as the largest CoC radius within it.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -27,7 +27,8 @@ class FlipDisplay {
   public:
     /// Makes a display that only clamps the values.
     FlipDisplay() = default;
-    /// Makes a display that multiplies the values by 2^stops and applies the tone curve of HDR-FLIP.
+    /// Returns the mapping of HDR-FLIP for one exposure: values are multiplied by 2^stops, and the tone curve
+    /// is applied.
     static FlipDisplay at_exposure(double stops);
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
@@ -46,7 +47,8 @@ class FlipDisplay {
 /// Returns the argument at which the tone curve has the value `level`. `level` must lie between 0 and 1.
 [[nodiscard]] double flip_tone_curve_inverse(double level);
 
-/// Sets `map` to one error per pixel, the greatest over all `displays`. There must be at least one display.
+/// Sets `map` to the error of each pixel, or to the largest one if there are several `displays` (exposures).
+/// There must be at least one.
 void flip_errors(const Image& reference, const Image& test, const PixelMask& usable,
                  const std::vector<FlipDisplay>& displays, std::vector<float>& map);
 

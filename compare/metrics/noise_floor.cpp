@@ -33,10 +33,10 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Estimates the bias that the sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy values
-// of the same pixel, and f1 and f2 are their encoded values. The estimate is twice the difference between the
-// mean of f1 and f2 and the encoded mean of r1 and r2. The mean of r1 and r2 has half the variance of one
-// value, and therefore half the bias.
+// Estimates the bias b that the sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy
+// values of the same pixel, and f1 and f2 are their encoded values. The mean of f1 and f2 has the bias b. The
+// mean of r1 and r2 has half the variance, so its encoded value has the bias b / 2. The difference between
+// the two is b / 2, so it is doubled.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

@@ -15,8 +15,8 @@ namespace postlens {
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Upper bound of the root mean square of the bias of the estimate. The bias arises because the sRGB
-    /// encoding shifts the mean of noisy values.
+    /// Upper bound of the bias of the estimate, as a root mean square over the values. The bias arises
+    /// because the nonlinear sRGB encoding shifts the mean of noisy values.
     double bias_rms = 0;
     /// Ends of the confidence interval for the root mean square error of the image. They are two standard
     /// errors below and above the estimate, and the interval is widened by `bias_rms` on either side.

@@ -99,8 +99,8 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: `off`, the error of the highlight's total light, is spread over all pixels of
-    // its circle of confusion.
+    // First part of the error: the light of the highlight (radiance times area) is wrong by `off`. This error
+    // is spread over all pixels of its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
     // Second part of the error: an inaccurate position of the highlight displaces its circle of confusion,
     // which changes the pixels at the rim of the circle.
@@ -118,8 +118,8 @@ double SpreadLight::error(double variance_share) const {
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
     // Without an edge, the shading varies smoothly, for example as a x^2 + b y^2 + c x y. The mean of the
-    // corners then differs from the mean of the cell by (a + b) / 6. The corners determine only c, so a and b
-    // are assumed to be c / 2.
+    // corners then differs from the mean of the cell by (a + b) / 6. Only c can be computed from the corners.
+    // For lack of better values, a and b are assumed to be c / 2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

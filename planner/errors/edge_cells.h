@@ -10,9 +10,8 @@
 
 namespace postlens {
 
-/// Mean squared error of an area that is estimated from corners. A straight edge divides a square of area 1,
-/// and the area on one side of the edge is estimated as the share of the square's corners on that side. The
-/// mean is over random edges that separate corners.
+/// A straight edge divides a square of area 1. The area on one side is estimated as the share of the square's
+/// corners on that side. The estimate has this mean squared error, over random edges that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
 /// Like edge_cell_variance, but for uniformly distributed edges that are parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
@@ -39,15 +38,15 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// Estimates the error that cells with radiance above 1 cause in the pixels over which the lens spreads this
-/// radiance. In the cells themselves, sRGB encoding clips it.
+/// Estimates the error that bright cells (radiance above 1) cause in the pixels over which the lens spreads
+/// their light. PixelEdges does not count this light, because sRGB encoding clips it in the cells themselves.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels, that is caused by edges in the cells,
-    /// because only the cells' corners are known. The variance of the radiance is multiplied by
-    /// `variance_share`, which accounts for smaller cells, for example.
+    /// Returns the squared error of sRGB values, summed over pixels. It arises because only the corners of
+    /// cells with an edge are known. `variance_share` is a factor for the variance of the cells' light: it is
+    /// 1/8, for example, to predict the error with cells of half the width.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -13,8 +13,8 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Whether later trials are ignored for a pixel that this trial corrects. They remove further limits in
-    /// addition to this one, so they cannot show which limit was the cause.
+    /// Whether later trials are ignored for a pixel that this trial corrects. Later trials remove other
+    /// limits as well, so they cannot show which limit was the cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

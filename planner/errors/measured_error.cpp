@@ -21,8 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Sums over pixels of means over channels. `noise` is the squared noise of the mean of the images `a` and
-/// `b` (see measured_error). `products` is (other - a) (other - b).
+/// Products of differences between images, as means over channels, summed over pixels. `noise` estimates the
+/// squared noise of the mean of `a` and `b`, and `products` the squared error of `other` (see
+/// measured_error).
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -37,7 +38,8 @@ struct Differences {
     }
 };
 
-/// Residuals (ray minus record) of the image's two halves in a pixel, as sRGB values per channel.
+/// Residuals (ray minus record or image) of a pixel in the two halves of the views, per channel, in sRGB
+/// values.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
@@ -47,8 +49,8 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean residuals (ray minus record) of the view samples, as sRGB values. They are noisy, so they
-/// are converted linearly, by the slope of the sRGB curve.
+/// Returns the mean residuals (ray minus record) of the view samples, converted to sRGB values by the slope
+/// of the sRGB curve. Noise does not bias the mean of such a linear conversion.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -61,8 +63,9 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the residuals (ray minus image) of the highlights, as sRGB values. They have little noise and may
-/// exceed the range of the sRGB curve, so they are computed as differences between encoded values.
+/// Returns the residuals (ray minus image) of the highlights, as differences between encoded sRGB values.
+/// Unlike a linear conversion, these are correct for large residuals. Their bias is small, because the
+/// residuals have little noise.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -130,8 +133,8 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
 }
 
 /// Mean product of the residuals (ray minus record) of the image's two independent halves. If large residuals
-/// are rare, no pixel may have one in both halves. The products are then 0, and so is their measured
-/// variance. It is therefore raised to at least the square of the mean squared residual, which is the
+/// are rare, it may happen that each occurs in only one half. All products, and their measured variance, are
+/// then almost 0. The variance is therefore at least the square of the mean squared residual, which is the
 /// variance of a product of independent residuals.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
@@ -268,7 +271,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
                                      const std::vector<int>& views) {
     std::vector<double> out(grid.count(), 0);
     if (a.light_square.empty()) return out;
-    // Returns the variance of the highlights' light between single rays, in the brightest channel.
+    // Returns the variance of the highlights' radiance over single rays of a pixel, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
         const float mean = *std::ranges::max_element(half.checks[k].highlights);
         return half.light_square[k] - mean * mean;
@@ -279,9 +282,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Each half of the views has its own sample positions and lens points, stratified in four
-            // dimensions. At the outline of a light, the mean of n such rays has n^(-1 - 1/4) times the
-            // variance of a single ray [mitchell1996].
+            // Standard deviation of the mean of both halves. Each half has n rays, stratified in four
+            // dimensions (positions in the pixel and on the lens). At the outline of a light source, their
+            // mean has n^(-1 - 1/4) times the variance of a single ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -19,8 +19,8 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between another image of the scene and the mean of infinitely many views.
-    /// As an estimate, it may be negative.
+    /// Estimated squared difference between the image `other` (see measured_error) and the mean of infinitely
+    /// many views. As an estimate, it may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -30,9 +30,9 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of an error's estimate. The error is that of a mixed image, in which another
-    /// image has the weight w and the views have the weight 1 - w. It is estimated as (1 - w)^2 noise_mse +
-    /// w^2 other_mse.
+    /// Returns the variance of the estimated error of a mixed image: the views with weight 1 - w, and another
+    /// image with weight w. The estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise`
+    /// and B has the variance `of_product`.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -92,16 +92,17 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise of each tile's highlights if rays showed them instead of impulse responses.
-/// `views` contains the number of rays per pixel in each tile. `a` and `b` are the two halves of the image,
-/// in which impulse responses spread the highlights.
+/// Estimates the noise that the highlights of each tile would have, as a squared error of sRGB values, if
+/// rays and not impulse responses showed them. `views` contains the number of rays per pixel in each tile.
+/// `a` and `b` are the two halves of the image, in which impulse responses spread the highlights.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
 /// Selects the tiles in which rays should replace all view samples, because the records cause too much error
 /// there (TileError::bias_mse). Returns 1 for selected tiles. The tiles with the largest errors are selected,
 /// until the others contribute at most `most_mse` to the mean over the image. A tile is also selected if its
-/// error exceeds three values: the noise of its views, twice its own standard error, and `fine_mse`.
+/// error is larger than the noise of its views, than twice its own standard error, and than `fine_mse`, the
+/// error that is acceptable in a single tile.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that are drawn to measure which share of a pixel's
-/// samples the records do not determine. With 16 views, this share is accurate to a few hundredths.
+/// Number of views (images from different lens points) that are drawn to measure the share of unsure samples
+/// in each pixel. With 16 views, this share is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
 /// For each square of 8 x 8 px of an image, the smallest and largest value of each channel. Pixels up to

@@ -1,5 +1,5 @@
-// Upper bound of the error of view samples whose colours the recorded data do not determine, if no rays
-// replace them.
+// Upper bound of the error of an image without rays. The error is caused by unsure view samples, whose
+// colours the records do not determine.
 #pragma once
 
 #include <cmath>

@@ -34,14 +34,14 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // If each half of the image has at least this many views, rays are aimed at the highlights of all pixels.
-    // With fewer views, a proportional share of the pixels is selected.
+    // If each half of the image has at least this many views, rays check the highlights of all pixels. With
+    // fewer views, they check those of a proportional share of the pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // `step` has no divisor in common with the number of pixels of a block, so each pixel gets a different
-    // rank. Pixels with consecutive ranks are not neighbours.
+    // The pixels of a block are ranked, and the first `chosen` ones are selected. The pixel that states the
+    // error has rank 0. `step` has no divisor in common with the number of pixels, so all ranks differ.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

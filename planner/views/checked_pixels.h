@@ -23,12 +23,12 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// `width` and `height` are the size of the image, in px. `random_rays` states whether the radiances of
-    /// rays are random.
+    /// Size of the image, in px. `random_rays` is true if rays have random radiances, for example because a
+    /// light has an extent.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the indices of the views that are compared with a ray in pixel (x, y). They are some of the
-    /// views [first, first + count) of a set. The indices are relative to `first`.
+    /// Appends the views that are compared with a ray in pixel (x, y), selected from the views [first, first
+    /// + count) of a set. The appended indices are relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
     /// Implements PatchViews::aimed for a half that has `views` views.
     [[nodiscard]] double aimed(int x, int y, int views) const;

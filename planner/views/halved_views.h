@@ -22,17 +22,17 @@ namespace postlens {
 class HalvedViews {
   public:
     /// In `settings`, `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set
-    /// of lens points. Images whose values of `first_set` differ by at least 128 share no set. Throws the
-    /// errors of hybrid_picture.
+    /// of lens points. An image uses fewer than 128 consecutive sets, so images whose `first_set` differ by
+    /// 128 or more share none. Throws the errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws further views until each tile of `grid()` has `views[tile]` views. The views are divided into
     /// two halves, whose difference measures the noise. If the number of views is odd, half 0 has one more
     /// view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Makes rays replace all view samples in the tiles whose entry in `tiles` is not 0, also in later calls
-    /// of `draw`. `what` states whether rays also replace the highlights. Tiles in which rays already replace
-    /// as much are not redrawn. Returns whether a tile was redrawn.
+    /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states
+    /// whether rays also replace the highlights. These tiles are redrawn, unless an earlier call already made
+    /// rays replace the same or more. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -44,7 +44,7 @@ class HalvedViews {
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean of all views drawn so far. Its `checks` are the sums over both halves of the views.
+    /// Returns the mean of all views drawn so far. Its `checks` contain sums over both halves of the views.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
