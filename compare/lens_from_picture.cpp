@@ -26,8 +26,8 @@ constexpr std::size_t block_px = 16;
 /// median. An image with less contrast shows no blur from which the lens could be estimated.
 constexpr double least_spread = 1e-3;
 /// Largest accepted RMS residual of the best lens, as a fraction of the image's contrast (see least_spread).
-/// It is about 0.1 if the file shows the same view as the image. If it shows another view, no lens explains
-/// the image, and the fraction is almost 1.
+/// It is about 0.1 if the file shows the same view as the image, and almost 1 if it does not, because no lens
+/// then explains the image.
 constexpr double most_left = 0.5;
 /// The error of the best lens must be at most this fraction of the error of the pinhole image. Otherwise the
 /// lens does not explain the image clearly better than the pinhole.

@@ -154,9 +154,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Estimates, from evenly spaced rows, the share of records that lie deeper in the shading trees, i.e. on
-/// reflected or transmitted surfaces. If several instants were recorded, only the frame's own instant is
-/// counted.
+/// Estimates, from evenly spaced rows, the share of records deeper in the shading trees, i.e. of reflected or
+/// transmitted surfaces. If several instants were recorded, only the frame's own instant is counted.
 double deeper_share(const SampleFileReader& file) {
     constexpr std::size_t most_rows = 16;
     const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);

@@ -188,9 +188,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded up to reach_px + margin_px from an edge, in px of the planned trace. In
-    // the preview, whose pixels are `coarser` times as wide, the margin is `coarser` times as wide, too. The
-    // number of hidden records in the preview is therefore multiplied by `narrower`.
+    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The preview's pixels, and thus
+    // its margin, are `coarser` times as wide. `narrower` therefore scales the number of its hidden records
+    // down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;

@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// The values of each setting that a sweep varies. Images with a lens prescription as impulse response use
-/// its focal length instead of `focal_lengths_mm`, and its f-number if `f_numbers` is empty. Otherwise all
-/// lists except `shutters` need at least one value.
+/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value.
+/// Images with a lens prescription as impulse response use its focal length instead of `focal_lengths_mm`,
+/// and its f-number instead of an empty list `f_numbers`.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur

@@ -1,5 +1,5 @@
-// The scale of brightness (tone) on which images are compared when a lens is fitted. It is nearly linear in
-// the luminance for dark pixels, and logarithmic for bright ones.
+// The brightness scale (tone) on which images are compared when a lens is fitted. It is nearly linear in the
+// luminance for dark pixels, and logarithmic for bright ones.
 #pragma once
 
 #include <algorithm>

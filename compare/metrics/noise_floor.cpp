@@ -35,8 +35,8 @@ struct BlockSums {
 
 // Estimates the bias b that the sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy
 // values of the same pixel, and f1 and f2 are their encoded values. The mean of f1 and f2 has the bias b. The
-// mean of r1 and r2 has half the variance, so its encoded value has the bias b / 2. The difference between
-// the two is b / 2, so it is doubled.
+// mean of r1 and r2 has half the variance, so its encoded value has the bias b / 2. The difference, b / 2, is
+// doubled.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

@@ -118,8 +118,8 @@ double SpreadLight::error(double variance_share) const {
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
     // Without an edge, the shading varies smoothly, for example as a x^2 + b y^2 + c x y. The mean of the
-    // corners then differs from the mean of the cell by (a + b) / 6. Only c can be computed from the corners.
-    // For lack of better values, a and b are assumed to be c / 2.
+    // corners then differs from the mean of the cell by (a + b) / 6. Only c can be computed from the corners,
+    // so a = b = c / 2 is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -44,9 +44,9 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. It arises because only the corners of
-    /// cells with an edge are known. `variance_share` is a factor for the variance of the cells' light: it is
-    /// 1/8, for example, to predict the error with cells of half the width.
+    /// Returns the squared error of sRGB values, summed over pixels, that arises because only the corners of
+    /// cells with an edge are known. `variance_share` multiplies the variance of the cells' light: 1/8, for
+    /// example, predicts the error with cells of half the width.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

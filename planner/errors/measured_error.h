@@ -92,17 +92,17 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the noise that the highlights of each tile would have, as a squared error of sRGB values, if
-/// rays and not impulse responses showed them. `views` contains the number of rays per pixel in each tile.
-/// `a` and `b` are the two halves of the image, in which impulse responses spread the highlights.
+/// Estimates the squared noise, in sRGB values, of each tile's highlights if rays and not impulse responses
+/// showed them. `views` contains the number of rays per pixel in each tile. `a` and `b` are the two halves of
+/// the image, in which impulse responses spread the highlights.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
 /// Selects the tiles in which rays should replace all view samples, because the records cause too much error
 /// there (TileError::bias_mse). Returns 1 for selected tiles. The tiles with the largest errors are selected,
 /// until the others contribute at most `most_mse` to the mean over the image. A tile is also selected if its
-/// error is larger than the noise of its views, than twice its own standard error, and than `fine_mse`, the
-/// error that is acceptable in a single tile.
+/// error exceeds the noise of its views, twice its own standard error, and `fine_mse`, the error that is
+/// acceptable in a single tile.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -18,9 +18,9 @@ namespace postlens {
 /// Otherwise the errors are independent, and the factor is the number of pixels in the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor by which the record floor is multiplied, to include edges that pass between the corners of a cell,
-/// so that no corner shows them. It is the error of all cells, divided by the error of the cells whose
-/// corners show an edge. The value is a fit.
+/// Factor for the record floor, to include edges that pass between the corners of a cell, so that no corner
+/// shows them. It is the error of all cells, divided by the error of the cells whose corners show an edge.
+/// The value is a fit.
 inline constexpr double floor_unseen = 1.4;
 
 /// For each pixel, the expected squared error caused by the size of the quadtree cells (edge_cells.h) and

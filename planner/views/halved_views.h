@@ -31,8 +31,8 @@ class HalvedViews {
     /// view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
     /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states
-    /// whether rays also replace the highlights. These tiles are redrawn, unless an earlier call already made
-    /// rays replace the same or more. Returns whether a tile was redrawn.
+    /// whether rays also replace the highlights. Tiles are not redrawn if an earlier call made rays replace
+    /// as much or more. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
