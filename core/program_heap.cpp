@@ -11,11 +11,12 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // The largest values that glibc allows. With them, a thread's heap keeps its memory instead of returning
-    // it to the system, so huge pages need not be requested again.
+    // 64 MB is the size of a thread's heap, and 32 MB the largest threshold that glibc allows. A thread's
+    // heap then keeps its memory, so huge pages need not be requested again.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
-    // By default, glibc returns unused memory at the end of the heap as soon as it exceeds 128 KB.
+    // By default, glibc returns unused memory at the end of the main heap, and its huge pages, once it
+    // exceeds 128 KB.
     mallopt(M_TRIM_THRESHOLD, 256 * MB);
 #endif
     return true;

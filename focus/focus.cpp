@@ -174,8 +174,9 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        layers(splats, image, part);
                    });
     } else {
-        // Kernels exist only at some subpixel positions. The light of a record is distributed over up to four
-        // of them, so a record yields up to four splats.
+        // A record yields up to four splats, one for each subpixel position that gets a part of its light.
+        // The splats of a strip may use a third of the memory limit, which leaves memory for kernels and
+        // colours.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {

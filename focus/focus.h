@@ -31,9 +31,9 @@ struct FocusSettings {
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
     /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. Each sample uses
-    /// the response of the nearest depth. By default, there are so many depths that this rounding changes CoC
-    /// diameters up to 2048 px by less than half a pixel. With linear spacing, there are at most
-    /// most_linear_levels depths.
+    /// the response of the nearest depth. By default, the number is chosen so that this rounding changes CoC
+    /// diameters up to 2048 px by less than half a pixel. If `spacing` is linear, it is at most
+    /// most_linear_levels, and the change may be larger.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;

@@ -127,7 +127,7 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// of views.
 ///
 /// If s.views is small, more than two sets are compared. Pixels of the same depth use the same lens points,
-/// so two small sets that agree by chance would agree in all these pixels.
+/// so their errors are similar. If two small sets agreed by chance, a large area would get no error.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     constexpr int least_views = 64;  // of all sets together

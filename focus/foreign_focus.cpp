@@ -182,8 +182,8 @@ class Spread {
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate what lies behind a translucent sample, so the sample counts
-                    // as filling its pixel.
+                    // `scatter` does not estimate what lies behind a translucent sample. The sample gets the
+                    // weight of an opaque one, or the division by the sum of weights would make it opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -206,10 +206,9 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // Without a weight for empty space, `scatter` would fill the empty pixels beside an object with
-            // its light, because each pixel is divided by its sum of weights. `nothing_` contains the largest
-            // weight of empty space in each pixel. `layers` composites empty space as the farthest surface
-            // instead.
+            // `scatter` divides each pixel by its sum of weights. Empty space needs a weight too, or blur
+            // would make the edge of an object opaque. `nothing_` limits the weight. `layers` composites
+            // empty space as the farthest surface instead.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Rows are read in bands of rows_per_band rows. A band is shorter, but has at least fewest_rows rows, if
-/// these have enough_records records.
+/// Rows are read in bands of rows_per_band rows. A band ends earlier if it contains enough_records records,
+/// but not before fewest_rows rows.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
 /// Number of rows in each band that is kept in memory. All threads work on one band and wait for each other
@@ -41,8 +41,8 @@ void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
     // Upper bound of the memory. A record yields at most one point sample, stored in a vector whose capacity
-    // may be twice its size. It also yields at most one plain corner (sample between undivided pixels), which
-    // has a depth and three colour values.
+    // may be twice its size. It also yields at most one plain corner (compact copy of a sample), which has a
+    // depth and three colour values.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -24,8 +24,8 @@ struct TreeSheets;
 /// these rows, and of the rows above and below if the file has them.
 ///
 /// Each element of `samples` contains the point samples (eye rays) of `rows_per_task` rows. The same element
-/// of `plain` contains compact copies of those between undivided pixels (focus/scatter/plain_corners.h). Both
-/// are empty if the frame does not keep its samples.
+/// of `plain` contains compact copies of the plain corners among them: samples between undivided pixels,
+/// without reflections (PlainCorners). Both are empty if the frame does not keep its samples.
 struct FrameRows {
     /// Number of rows per task. Smaller tasks would be inefficient, because find_point_samples also reads one
     /// row above and one row below the task.
@@ -59,9 +59,9 @@ class FocusFrame {
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// Returns the surfaces of a recorded instant, divided into sheets (surfaces within squares of the
-    /// raster). `rule` selects highlights on these surfaces, and rule.above must be the same in all calls.
-    /// `also` receives the records of each row of the file once. It must be empty if the instant is not 0.
-    /// The result is valid until the next call for the same instant.
+    /// raster). `rule` selects highlights. rule.above must be the same in all calls, because kept surfaces
+    /// store only highlights above it. `also` receives the records of each row of the file once, and may be
+    /// set only for instant 0. The result is valid until the next call for the same instant.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 

@@ -31,8 +31,8 @@ class PixelPlaces {
 };
 
 /// Appends the x positions of the lower-left corners of all quadtree leaves (undivided cells) that touch the
-/// lower edge of a pixel. The function descends recursively into the cells on this edge: u is the left edge
-/// of the current cell, and `size` its width. Only subdivided cells have a sample at their centre.
+/// lower edge of a pixel. u is the left edge of the current cell, and `size` its width. A cell with a sample
+/// at its centre is subdivided, so the function calls itself for both of its lower cells.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -19,8 +19,8 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are records of rays that hit nothing. One lies at the upper-left corner of each pixel, others on its upper
-/// edge where the quadtree of the pixel above needs corners. `above` contains the row above. It is null if
+/// are records of rays that hit nothing. They lie at the upper-left corner of each pixel, and on its upper
+/// edge at the lower corners of the cells of the pixel above. `above` contains the row above. It is null if
 /// that row is lost or does not exist. `offsets` receives the index of each pixel's first record, as in
 /// RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,

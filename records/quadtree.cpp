@@ -91,8 +91,8 @@ template <typename Sample>
 class PlacedSamples {
   public:
     /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
-    /// `above` contains the samples of the pixel's row, and `below` those of the next row. Returns false if
-    /// the pixel is subdivided more finely than the table.
+    /// `above` contains the samples of row y, and `below` those of row y + 1. Returns false if the pixel is
+    /// subdivided more finely than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -100,8 +100,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // If the neighbouring pixel is subdivided more finely than the table, add() fails for some of its
-        // samples. Pixel (x, y) does not need these samples, so the failure is ignored.
+        // add() fails for samples of a neighbouring pixel that is subdivided more finely than the table.
+        // Pixel (x, y) does not need these samples, so failures are ignored.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -142,8 +142,8 @@ class PlacedSamples {
 };
 
 /// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y), with the corners
-/// in the order up-left, up-right, down-left, down-right. `above` contains the samples of the pixel's row,
-/// and `below` those of the next row. A pixel with only one sample is a single leaf.
+/// in the order up-left, up-right, down-left, down-right. `above` contains the samples of row y, and `below`
+/// those of row y + 1. A pixel with only one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -261,8 +261,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // The leaf lies in the quadrant opposite to the corner. For the leaf's
-                                       // up-left corner (0), it is down-right (3).
+                                       // Of the four quadrants around corner c, the leaf lies in 3 - c:
+                                       // down-right (3) of its up-left corner (0).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

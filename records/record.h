@@ -39,8 +39,8 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// Returns whether the path is valid. It is not if a pair of bits is 3, which is reserved, or if a bounce
-    /// follows an empty pair.
+    /// Returns whether the path is valid. Each bounce has two bits. The value 3 is reserved, and 0 marks the
+    /// end of the path, so no bounce may follow it.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;

@@ -9,7 +9,7 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The position may have been rounded to a float at large coordinates. It is then rejected.
+    // The last condition rejects positions for which the subtraction above was rounded.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }

@@ -29,8 +29,8 @@ struct ScanlineFacts {
 
 /// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
 /// for instant 0 (that of the pinhole image), then for each key (further recorded instant). The colours of
-/// the records must be radiance, without the exposure that the header states. The file appears at `path` only
-/// when finish() is called.
+/// the records must be radiance. SampleFileReader applies the exposure that the header states. The file
+/// appears at `path` only when finish() is called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,

@@ -106,8 +106,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
                      : fmt::format("folder {} does not exist", folder.string()));
     }
     // The temporary name keeps the target's extension, because image writers choose the format by the
-    // extension. It contains the id of the process that owns the file. The number distinguishes the files of
-    // one process, and processes that have the same id in different containers.
+    // extension. It contains the id of the process that owns the file. `number` is needed because a process
+    // may write several files, and processes in different containers may have the same id.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {

@@ -89,8 +89,9 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks, in `fills_`, translucent pixels that have only empty space behind and around them. The search
-    /// for farther surfaces treats these pixels as opaque, and all other translucent pixels as empty space.
+    /// Marks, in `fills_`, translucent pixels behind which blur reveals only empty space. The search for
+    /// farther surfaces treats them as opaque, because no farther surface shows through them. It treats all
+    /// other translucent pixels as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -287,9 +288,9 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there. At a
-    /// depth edge, a pixel is farther from the camera than the pixel before it, in one of the eight
-    /// directions.
+    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there. From
+    /// the pixel, the eight directions are searched for a depth edge: two neighbouring pixels, of which the
+    /// second is farther from the camera.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;

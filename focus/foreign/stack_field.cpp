@@ -20,7 +20,7 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// A view is the image from one lens point. Its samples have the same position in every pixel.
+/// A view is the image from one lens point. It samples every pixel at the same position in the pixel.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
@@ -117,8 +117,8 @@ class Band {
             const std::size_t k = in_window(i);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // A view whose light the lens blocks (vignetting) contributes black. Colours are therefore means
-            // over all views. Alpha is coverage, so it is the mean over the views that are not blocked.
+            // The lens blocks the light of some views (vignetting). They count as black in the mean colour.
+            // Alpha is coverage, which vignetting does not change, so its mean excludes them.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? sums_[i].rgba[3] / passed : 1;
             if (!shares_.empty() && passed > 0) {
@@ -225,8 +225,9 @@ class Band {
     }
 
     /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of all
-    /// quadrilaterals in front of it. Whether a quadrilateral is opaque is random (is_opaque). On average,
-    /// the result equals compositing with the operator "over".
+    /// quadrilaterals in front of it. A quadrilateral is opaque with a probability equal to its alpha
+    /// (is_opaque). It is therefore visible with a probability equal to the transmittance in front of it. On
+    /// average, the sum equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {

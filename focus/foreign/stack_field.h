@@ -45,7 +45,7 @@ struct StackField {
     std::vector<float> unseen;
     /// Per pixel of the window: the mean, over the views that the lens does not block, of the alphas of the
     /// samples that they see, holdouts included. On average it is 1 minus `unseen`. In a pixel with empty
-    /// space behind its samples, it is at least 1.
+    /// space behind its samples, smaller values are raised to 1, because empty space is not unknown.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -69,9 +69,8 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by StackField::covered, the share of the views that see
-/// something there, and limits alpha to 1. Views that look past the image thus do not darken the pixel. A
-/// pixel in which `covered` is 0 keeps its values.
+/// Divides the colours and alpha of each pixel by StackField::covered, and limits alpha to 1. Views that look
+/// past the image thus do not darken the pixel. A pixel in which `covered` is 0 keeps its values.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -35,12 +35,12 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     // `seen` is the share of the sample's light that the pinhole sees, and `hidden` the share that other
-    // surfaces hide. Light that a sample of its own surface hides is in neither share: both samples move
-    // together when the lens point moves, so no lens point sees it.
+    // surfaces hide from it. Neither share contains light that is hidden by a sample of the same surface. No
+    // lens point sees that light, because samples of one surface move together when the lens point moves.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered` is the part of `hidden` that no lens point sees, because the hiding surface and the hidden
-    // one move together when the lens point moves. `apart` states how independently they move: 0 if together,
-    // 1 if independently. For a translucent hiding sample, it is computed as in `composite`.
+    // `covered` is the part of `hidden` that no lens point sees, because the surface in front moves together
+    // with this one. `apart` is 0 if a surface in front moves together with this one, and 1 if it moves
+    // independently. If the samples in front are translucent, `apart` is computed as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {

@@ -8,8 +8,8 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Records of a reflection or refraction may add up to less than this weight at a pixel. A substitute is then
-/// blended in: the same light, scattered with the kernels of the mirror or glass.
+/// If the weights of a reflection's or refraction's records add up to less than this at a pixel,
+/// Chain::stand_in is blended in. It is the same radiance, scattered with the kernels of the mirror or glass.
 constexpr double enough_weight = 0.05;
 
 /// A path (sequence of reflections and transmissions) at a pixel, with its splats (impulse responses) and its
@@ -62,8 +62,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
 }
 
 /// Computes the light of all surfaces that are seen along one path (sequence of reflections and
-/// transmissions) at a pixel, one fragment per surface. Each fragment includes the radiance of the paths in
-/// `longer` that continue from its surface. Returns the sum of the weights of `terms`.
+/// transmissions) at a pixel, one fragment per surface. `longer` contains all paths that continue this one.
+/// Each fragment includes the radiance of the paths in `longer` whose last bounce is on its surface. Returns
+/// the sum of the weights of `terms`.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -108,7 +109,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The radiance comes from a path that continues this one, so the substitute is not needed.
+        // The path now has the radiance of a longer path, so stand_in is not blended in.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

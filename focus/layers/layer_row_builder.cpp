@@ -10,8 +10,8 @@ namespace {
 /// CoC radii, in px, from which samples are placed at multiples of a quarter pixel or of a whole pixel. More
 /// samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii, in px, for which NodeResponses::phases places samples in steps of a quarter pixel or of a whole
-/// pixel. They are passed instead of the true radius.
+/// NodeResponses::phases chooses the steps by the radius: a quarter pixel above 16 px, a whole pixel above
+/// 256 px. These radii, in px, are passed instead of a smaller true radius to get these steps.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);

@@ -39,12 +39,12 @@ struct LayerPart {
         hidden,       ///< nodes behind another surface
         mask,         ///< the node's colours, scattered with the kernels of the parent nodes
         hidden_mask,  ///< masks of parent nodes that are hidden behind another surface
-        outer_mask,   ///< masks scattered with the same kernels as the mask of the parent's path
+        outer_mask,   ///< mask of the far side of glass, scattered with the kernels of the near side
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
     /// The surface that is seen along the path. For a mask, it is the surface that reflects or transmits the
-    /// path. It is empty for outer masks, and for masks of the first surface on the eye ray.
+    /// path. It is empty for `outer_mask`, and for masks of the first surface on the eye ray.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -173,8 +173,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    /// Stores the splats of row y in rows_. Splats that are not needed in memory are first removed from
-    /// `made`.
+    /// Removes the splats that the current strip does not need from `made`, and stores the others in rows_.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

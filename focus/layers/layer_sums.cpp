@@ -11,8 +11,8 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double TwoDoubles __attribute__((vector_size(16)));
-/// Types that are used only to load and store values. The compiler would not keep variables of these types in
-/// registers.
+/// Unaligned types, only used to load and store values. Variables are FourDoubles and TwoDoubles, because the
+/// compiler keeps only these in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -80,11 +80,11 @@ struct LayerPass {
     std::vector<double>* taps = nullptr;  ///< buffer
 };
 
-/// Largest number of splats that are added together.
+/// Largest number of splats that one call of add_run adds.
 constexpr std::size_t longest_run = 64;
 
-/// Returns how many splats at the beginning of `splats` can be added together. They must reach the block,
-/// have adjacent anchors and share one kernel, whose pixels are `reach`.
+/// Returns how many splats at the beginning of `splats` one call of add_run can add. They must have the same
+/// kernel, with the extent `reach`, and adjacent anchors, and reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -115,9 +115,8 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes `taps`, the differences between neighbouring values of a kernel row at one edge of its uniform
-/// interior. `edge` contains the `count` values at this edge, `before` the value to their left and `after`
-/// the value to their right.
+/// Computes `taps`, the differences between neighbouring values of a kernel row, on one side of its uniform
+/// interior: edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);

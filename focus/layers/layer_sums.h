@@ -51,9 +51,9 @@ class LayerSums {
     std::size_t width_ = 0;   ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = 6;  ///< values per pixel
     /// Values of each pixel: red, green, blue, weight, depth and covered weight. With lens moments, twelve
-    /// more values follow the weight: the first four values times LayerSplat::lens_per_px, then these four
-    /// products times the splat's x coordinate, and then times its y coordinate. Coordinates are relative to
-    /// the upper left corner of rows_.
+    /// more values follow the weight. They are L, L times x, and L times y. L is the first four values times
+    /// LayerSplat::lens_per_px, and (x, y) is the splat's position. Coordinates are relative to the upper
+    /// left corner of rows_.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -129,22 +129,22 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // A surface in front with a similar CoC moves together with this one when the lens point moves. It
-        // hides nothing of the part that the pinhole sees, so its coverage does not count.
+        // A surface in front that moves together with `f` over the lens hides nothing of f.seen, the part
+        // that the pinhole sees. Its coverage is therefore added back to the transmittance for f.seen.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
         // Limit the coverage by this surface. The upper limit is the share of the lens that is still
-        // uncovered. The lower limit is the coverage that remains if the surfaces in front hide as much of
-        // this surface as they can.
+        // uncovered. The lower limit is the surface's own alpha minus what the surfaces in front can hide of
+        // it: their coverage, or f.covered if that is larger.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, hidden
-        // alpha and hidden light are restored by the same fraction. Scaling up the visible light instead
-        // could make a pixel arbitrarily bright if it shows almost no alpha.
+        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, it
+        // restores a fraction of the hidden alpha, and the same fraction of the hidden light. Scaling up the
+        // remaining light instead could make a pixel arbitrarily bright if its alpha is almost 0.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)

@@ -163,7 +163,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // Images with rays can select highlights only if all surfaces are in memory at once (leave_to_lens).
+        // With rays, highlights can be selected only if all surfaces are in memory at once (leave_to_lens).
         // Here the surfaces are read strip by strip, so no highlights are selected.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
@@ -277,9 +277,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Drawing needs all surfaces that a view sees, and with highlights or rays also those that any other
-        // lens point sees. With rays, how a piece (square of the image) is drawn must not depend on the views
-        // of this call.
+        // Highlights and rays need the surfaces that any lens point sees, and not only those that a view
+        // sees. With rays, the number of reflections in a piece (square of the image) decides how it is
+        // drawn. Counting them for the whole lens makes all calls decide alike.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

@@ -20,9 +20,10 @@ constexpr double spread_from_px = 2;
 /// If the smaller semi-axis of a highlight's CoC is below this, in px, the whole lens sends the highlight's
 /// light to a single pixel.
 constexpr double seen_by_all_px = 0.5;
-/// A sharp highlight is spread by its impulse response only if the highlights of its surface within a square
-/// of the raster have a smaller total area than this, in px^2. The limit is sharp_px2 if nothing hides them,
-/// and small_px2 if they are reflected and partly hidden.
+/// A sharp highlight is spread by its impulse response only if the highlights of its sheet (part of a
+/// surface, within 16 x 16 px) have a smaller total area than this, in px^2. The limit is sharp_px2 if
+/// nothing hides a part of them. It is small_px2 for partly hidden ones in mirrors or behind glass, and 0 for
+/// others.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// The highlights of one surface are merged within squares of this edge, in px.
 constexpr float merged_px = 0.5F;
@@ -32,9 +33,9 @@ constexpr int most_halvings = 2;
 /// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The sRGB curve has the slope 12.92 at
 /// dark values.
 constexpr double invisible = 0.5 / 255 / 12.92;
-/// Neighbouring moving highlights are merged within squares. A streak that needs more instants gets larger
-/// squares: 1/8 px wide for up to moments_of_eighths instants, 1/4 px for up to moments_of_quarters, and
-/// merged_px for more.
+/// Neighbouring moving highlights are merged within squares. Each square gives one light source per instant,
+/// so squares are larger if there are more instants. They are 1/8 px wide for up to moments_of_eighths
+/// instants, 1/4 px for up to moments_of_quarters, and merged_px for more.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// A moving highlight becomes one light source per instant. If all moving highlights together would have more
 /// than most_moving sources, each gets fewer instants, but at least least_moments.
@@ -108,9 +109,9 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // An impulse response cannot show that a surface inside a mirror hides a part of a reflection. The
-        // views therefore show sharp reflected highlights that are partly hidden, unless they are so small
-        // that few views would hit them.
+        // An impulse response cannot show that a surface inside a mirror hides a part of a reflection. Partly
+        // hidden, sharp highlights in a mirror are therefore left to the views. Very small ones are not,
+        // because few views would hit them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
         // The views show a partly hidden highlight if it is sharp. They also show it if it is wider than its
         // blur: different parts of it would need different shadows of a nearer surface.

@@ -48,9 +48,9 @@ inline constexpr double most_surface_bytes_of_record = 400;
 class FieldStrips {
   public:
     /// Keeps references to its arguments. `views` describes the light field and its views, but contains no
-    /// surfaces. `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It
-    /// limits the blur of highlights, and thus the rows for which they are read. `motion` is null if no
-    /// highlight moves.
+    /// surfaces. `lens_box_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px. It
+    /// limits how far blur carries the light of a highlight, and thus which rows are read for a strip.
+    /// `motion` is null if no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 

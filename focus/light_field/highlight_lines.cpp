@@ -137,7 +137,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // Random lines through the pixel also find parts of a moving highlight that are not recorded.
+            // This value of `chosen` selects a moving highlight in `passing`. The line is random, because a
+            // line aimed at the recorded sources would miss parts of the highlight that are not recorded.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;

@@ -21,8 +21,8 @@ namespace {
 /// A surface hides a highlight if its inverse depth 1/z' is larger than that of the highlight by more than
 /// this factor.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile (square of the image), in views of the tile. If the
-/// tile has more views than this, their number is the limit instead.
+/// Limit for the cost of all visibility samples of a tile (square of the image). The cost of drawing one view
+/// of the tile is 1. The limit is the number of the tile's views if that is larger than this.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
@@ -70,8 +70,8 @@ class FieldHighlights::OverViews final : public Lights {
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
     /// The views that decide whether a highlight is visible. `nearest` is a table of `edge` x `edge` cells
-    /// over the lens, with the views nearest to each cell. `all` contains the views that decide for sharp
-    /// highlights (Source::by_all).
+    /// over the lens, with the views nearest to each cell. `all` contains the views of the whole lens, which
+    /// decide whether a sharp highlight is visible (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
@@ -138,8 +138,8 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
         // A view's distance in y from this row of cells is a lower bound of its distance from each cell.
-        // Views are visited in the order of this bound, until the bound exceeds the distances of all nearest
-        // views of the cell.
+        // Views are visited in the order of this bound. The search ends when the bound exceeds the distance
+        // of the third-nearest view found so far.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {
@@ -263,8 +263,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Skip patches (planar parts of surfaces) behind the highlight. Nearer ones may follow, because
-            // patches are sorted by the depths of their corners.
+            // Skip patches (planar parts of surfaces) behind the highlight. The loop does not end here,
+            // because patches are sorted by the depth of their upper left corner, not of their nearest point.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -325,8 +325,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // All highlights of a group share one visibility if it is sampled, or if views of the whole lens
-        // decide on it and nothing moves.
+        // The visible share of each pixel is computed once for all highlights of a group in two cases: if the
+        // group has visibility samples, or if all views test it (by_all) and it does not move.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

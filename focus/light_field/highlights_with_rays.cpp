@@ -28,9 +28,9 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
     return {0, parent_id, id, square(at.x), square(at.y)};
 }
 
-/// Returns whether the records contain all of a highlight's light, for every lens point. A directly visible
-/// highlight may be hidden only where hidden surfaces are recorded. A highlight in a mirror or behind glass
-/// must not be hidden at all, and its reprojection must be accurate over the whole lens.
+/// Returns whether the records contain all of a highlight's light, for every lens point. The parts of a
+/// directly visible highlight that nearer surfaces hide must be recorded. A highlight in a mirror or behind
+/// glass must have no hidden parts, and its reprojection must be accurate over the whole lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;

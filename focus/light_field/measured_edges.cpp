@@ -84,8 +84,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A light may extend as far as the next record, that is, by the edge of its quadtree cell. Its
-            // area is that of a quarter of the cell, so the edge is 2 sqrt(area).
+            // A highlight may extend as far as the next record, that is, by the edge of its quadtree cell.
+            // light.area is a quarter of the cell's area, so the edge is 2 sqrt(light.area).
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

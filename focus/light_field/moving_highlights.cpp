@@ -14,9 +14,9 @@ constexpr int looks = 64;
 /// Largest distance that a moving highlight may cover between two of its instants: step_px (in px), or
 /// step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// The exposure is divided into equal intervals, and a highlight has one instant in each. Each interval has
-/// `turns` parts. The fractional part of x * turn_x + y * turn_y selects the part in which the instant lies.
-/// Highlights a quarter or half a pixel apart thus have different instants.
+/// The exposure is divided into equal intervals, and a highlight has one instant in each. The instant lies in
+/// one of `turns` parts of the interval, selected by the fractional part of x * turn_x + y * turn_y. The
+/// factors, sqrt(5) and sqrt(5) - 1, give highlights a quarter or half a pixel apart different instants.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Limit for the position and the CoC radius of a highlight, in px. A highlight that exceeds it is ignored.

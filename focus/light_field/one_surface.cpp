@@ -79,8 +79,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Count the recorded pixels of all patches (planar parts of surfaces) in each cell. If a cell has
-            // more recorded pixels than pixels, the surface overlaps itself there.
+            // Count, in each cell, the pixels of all patches (planar parts of surfaces). If the count exceeds
+            // the area of the cell, the surface overlaps itself there.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -31,8 +31,7 @@ struct OneSurface {
 /// any order and in several parts.
 class OneSurfaceFinder {
   public:
-    /// `lens_px` is half the width and height of the box around the lens, in m, times the film distance in
-    /// px.
+    /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
     /// Adds patches. `primary` contains those of directly visible surfaces, and `deeper` those of reflected
     /// and transmitted surfaces. `deeper` may be empty.

@@ -12,7 +12,7 @@ namespace {
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
 /// Largest extent of a kernel beyond the edge of the geometric CoC, in px. Energy farther out is cut off,
-/// even if it is more than the fraction `tail`.
+/// even if it is more than `tail` of the whole.
 constexpr double widest_skirt_px = 256;
 /// CoC radius, in px, from which a uniform disc replaces the diffracted response. The fringes of the response
 /// are finer than a pixel there.

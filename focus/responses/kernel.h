@@ -71,11 +71,10 @@ struct KernelKey {
     /// Subpixel positions are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
     /// Sizes of ellipses are rounded to multiples of this step, in px. The outline then has an error of at
-    /// most an eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
+    /// most an eighth of a pixel along each axis. With a fineness of k, the step is divided by 4^k.
     ///
-    /// Only highlights use a fineness k above 0, and only if their ellipse is smaller than
-    /// fineness_below_px[k]. Small ellipses need fine steps, because an error of their size changes their
-    /// brightness.
+    /// Only highlights use k = 1 or 2, and only for ellipses smaller than fineness_below_px[k]. Small
+    /// ellipses need fine steps, because an error of their size changes their brightness.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -168,8 +167,8 @@ class KernelTable {
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
     /// Returns the pixels that the kernels of a number reach, in any channel. Call it after `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The numbers of
-    /// unused discs refer to other kernels.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
+    /// that is not used refers to an arbitrary kernel, because the disc has none.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -54,8 +54,8 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Subpixel positions (phases) are rounded to half the step of the shape, but not more coarsely than to
-    // whole pixels.
+    // Round subpixel positions (phases) to 2 * unit sixteenths of a pixel, but at most to whole pixels. If
+    // `fineness` is 0, this is half the step of the shape, which is unit / 4 px.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);

@@ -44,8 +44,8 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are processed together. First, all their cells are computed with SIMD arithmetic,
-/// then all their levels are looked up.
+/// Number of depths that are processed together. First, find_cells computes all their cells of the lookup
+/// table with SIMD arithmetic. Then all their levels are read from the table.
 constexpr std::size_t together = 128;
 
 /// Computes the CoC diameter of each depth, and the cell of the lookup table that contains the diameter. The

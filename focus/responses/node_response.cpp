@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest radius, in px, that is passed to phases_of for a response model that needs few subpixel
-/// positions. phases_of then uses steps of at least a quarter pixel.
+/// phases_of chooses the step between subpixel positions by the radius. If a model needs only few positions,
+/// this radius, in px, replaces smaller ones, to get steps of a quarter pixel instead of 1/16 px.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, from which a sample is scattered as a whole. A smaller sample whose weight differs
-/// between the pixels around it is divided between them.
+/// CoC radius, in px, below which a sample on the border between pixels is divided: each pixel gets a part
+/// with its own weight. Samples with larger radii are scattered as a whole.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions per px, along each axis, at which kernels of this radius are

@@ -129,9 +129,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// The colours of the line, for each channel. If the run covers the whole line, `in_raster` points to
-    /// them in the raster. Otherwise `in_raster` is null, and a copy begins at index `line_at` of lines_. The
-    /// running sums of the colours begin at index `running_at` of running_.
+    /// The colours of the line (the filtered part of the source row), for each channel. `in_raster` points to
+    /// them in the raster if the run covers all of these columns. Otherwise it is null, and a copy begins at
+    /// index `line_at` of lines_. The running sums of the colours begin at index `running_at` of running_.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };

@@ -30,7 +30,7 @@ constexpr int strip_width = RunScatter::strip_width;
 using Sums = std::array<const double*, 4>;
 
 /// Returns the divisor of a pixel: `weight`, the sum of the weights of its samples, plus the weight of empty
-/// space. Empty space fills the sum up to 1, but its weight is at most `most_nothing`.
+/// space. That is 1 - `weight`, limited to the range from 0 to `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the smallest number of adjacent samples with the same disc that are faster to add as one run than
-/// as single splats. The cost of a run is proportional to the area of the disc, and that of a splat to the
-/// length of its outline. Measured with bench/scatter_bench.cpp.
+/// Adjacent samples with the same disc can be added as one run or as single splats. Returns the number of
+/// samples from which a run is faster. The cost of a run is proportional to the area of the disc, and that of
+/// a splat to the length of its outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }

@@ -101,16 +101,16 @@ class SplatTables {
     /// the same disc) are needed.
     void survey() { keep_ = Keep::none; }
     /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
-    /// reach it are kept. Returns ranges of rows [begin, end), which are all rows for the first strip. The
-    /// caller must add these rows once more, in this order, before finish_strip(). The height of each strip
-    /// must be a multiple of `block_px`.
+    /// reach it are kept. Returns the ranges of rows [begin, end) that the caller must add once more, in this
+    /// order, before finish_strip(). For the first strip, these are all rows. The height of each strip must
+    /// be a multiple of `block_px`.
     ///
     /// Call it after finish(), once for each strip.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Returns the number of splats that reach the rows of blocks [begin, end). Splats are counted while rows
-    /// are added for the first strip, so call this function after that strip is finished. The first strip may
-    /// be empty.
+    /// are added for the first strip, so call this function after finish_strip(). To count before the image
+    /// is divided into strips, begin with an empty strip.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
