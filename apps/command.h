@@ -135,8 +135,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR, in dB, that the method `auto` tries to reach. Default: 40 dB, unless takes_usual_method() is
-    /// true.
+    /// PSNR, in dB, that the method `auto` tries to reach. If absent, `auto` tries to reach 40 dB, or has no
+    /// target if takes_usual_method() is true.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -157,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command with the arguments `words`. The command only joins the results of earlier runs, for
-    /// example of a sweep whose images were made by several machines.
+    /// Runs the command line `words`. `merge` passes the command that several machines have divided, for
+    /// example a sweep. Because of `join`, that command only joins the results of the machines.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -173,8 +173,8 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// Interval, in seconds, in which the shutter is open. Default: from the instant of the frame, for the
-    /// exposure time that the sample file states.
+    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the instant of the
+    /// frame, and stays open for the exposure time that the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -199,8 +199,8 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// Interval, in seconds, in which the shutter is open. Default: from the instant of the frame, for the
-    /// exposure time that the sample file states.
+    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the instant of the
+    /// frame, and stays open for the exposure time that the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -319,10 +319,10 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vect
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays replace samples
-/// whose colour cannot be found from the records. If `retrace.explain` is set, an image is written that shows
-/// how each pixel was made. Adds the warnings of the scene to `out`. Throws if the scene refers to the output
-/// file `picture`.
+/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays are traced
+/// where the records do not suffice, for example at surfaces that were not recorded. If `retrace.explain`
+/// names a file, an image is written to it that shows how each pixel was made. Adds the warnings of the scene
+/// to `out`. Throws if the scene refers to the output file `picture`, which would be overwritten.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);

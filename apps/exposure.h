@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Returns the exposure, in stops, at which to read a sample file. For `auto`, it is the automatic exposure
-/// that the file stores, or else one computed from the pinhole image. If the option is not given, returns an
-/// empty value, which means the exposure that the file states.
+/// Returns the exposure, in stops, at which to read a sample file: the number in the option, or the automatic
+/// exposure for `auto`. If the file stores no automatic exposure, it is computed from the pinhole image.
+/// Without the option, returns an empty value, and the file is read at the exposure that it states.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 

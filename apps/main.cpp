@@ -81,8 +81,9 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Signals cancel this job. It is static, because a signal may arrive until the process ends. It needs
-    // only one thread, because the command itself runs in another job.
+    // Signals cancel the job `process`, and with it the command. It is static, so that it still exists if a
+    // signal arrives after main() has returned. It has only one thread, because run() makes a job of its own
+    // for the command.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // By default, these signals would end the program silently. If they are ignored, a write beyond a size

@@ -35,8 +35,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a finite number. With `infinite`, "inf" is accepted too. This function and those below throw
 /// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. Throws if it does not fit into an int. `bounds` only serves the error message; the
-/// caller must check it.
+/// Parses an integer. Throws if it does not fit into an int, with `bounds` as the expected range in the
+/// message. A smaller integer is returned even if it is out of bounds, so the caller must call check_bounds.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size in px, such as "960x540".

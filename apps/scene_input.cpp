@@ -7,8 +7,9 @@
 namespace postlens {
 namespace {
 
-// Returns a unit for reading the scene of a sample file, for example metres per unit. Throws if the user's
-// value differs from that of the sample file, because traced rays would not agree with the records.
+// Returns the metres per unit or the lumens per watt with which to read a scene: the user's value `asked`,
+// else the value `of_trace` in the sample file, else 1. Throws if the two values differ, because traced rays
+// would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {

@@ -158,8 +158,9 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` is the difference between the image's errors against the two references (--noise), in
-    // standard errors. Noise alone hardly ever makes its absolute value larger than 4.
+    // `preference` is the error against the first reference minus that against the second (--noise), divided
+    // by the standard error of this difference. Noise alone makes it exceed 4 or -4 only once in 16000
+    // images.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",

@@ -194,8 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. Its time is scaled to the full number
-            // by the ratio found for the middle frame.
+            // This frame was measured only with few samples or views. With all of them, its time is assumed
+            // to grow by the same factor as that of the middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -261,8 +261,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes only one of `shares` groups of rows. So it is measured with `shares` times as many
-        // samples or views, which takes about as long as measuring the whole image.
+        // A task makes only 1/shares of the rows. With `shares` times as many samples or views, it takes
+        // about as long as the measurement of the whole image (`whole`) did.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -29,7 +29,7 @@ struct DryRun {
 
 /// Predicts the time and memory of each task, and returns them as JSON. To measure them, it runs small
 /// versions of the command, for example with few samples or a single frame. These run in separate processes,
-/// which write only to a temporary folder. Throws the errors of the command.
+/// which write only to a temporary folder. If such a run fails, throws its error.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

@@ -131,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // If there is a scene, even a pinhole's image is made from several views (images reprojected from the
-    // records) and rays. The rays find surfaces that lie between the recorded points.
+    // With a scene, `auto` and `hybrid` trace rays even for a pinhole (f/inf), because the rays find surfaces
+    // that lie between the recorded points.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},

@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Composites the images of --behind behind `picture`, nearest first. Pixels of these images that mix several
-/// surfaces are first split into one sample per surface, each with its own depth.
+/// Adds the images of --behind to `picture`, each behind those before it. Pixels of the added images that mix
+/// several surfaces are first split into one sample per surface, each with its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -217,8 +217,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // A lens prescription states the focal length of the simulated lens, not that of the camera that rendered
-    // the image.
+    // `choice` describes the camera that rendered the image. A lens prescription states the focal length of
+    // the simulated lens, which may differ from that of this camera.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;

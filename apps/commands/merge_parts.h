@@ -30,8 +30,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the indices of the shares of the work whose result files are missing. Throws if there are any,
-    /// unless `partial` is set.
+    /// Returns the indices of the shares, out of `count`, whose result files are missing. If `partial` is not
+    /// set, a missing file is an error, which is thrown.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

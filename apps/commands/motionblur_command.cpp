@@ -90,8 +90,8 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// Returns the first line of the text for the user, for example "a.exr: 960x540 px, convolve, shutter 0 to
-/// 0.02 s, 12.5 % of the pixels touched", where `more` is "shutter 0 to 0.02 s".
+/// Returns the first line of the text for the user. If `more` is "shutter 0 to 0.02 s", an example is "a.exr:
+/// 960x540 px, convolve, shutter 0 to 0.02 s, 12.5 % of the pixels touched".
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,

@@ -6,10 +6,10 @@
 namespace postlens {
 namespace {
 
-// The two diameters, in px, of an elliptical circle of confusion: the singular values of the matrix g D (I /
-// s - W). Here g is film distance / pixel pitch, D the aperture diameter in m, s the focus distance in m, and
-// I the identity. W, a 2x2 matrix in 1/m, describes how the image of the recorded surface moves when the lens
-// point moves.
+// The longest and the shortest diameter, in px, of an elliptical circle of confusion. When the lens point
+// moves by q metres, the image of the surface moves by g (I / s - W) q px. Here g is film distance / pixel
+// pitch, s the focus distance in m, I the identity, and W the record's 2x2 matrix in 1/m. The diameters are
+// the singular values of this matrix g (I / s - W), times the diameter of the aperture in m.
 struct CocAxes {
     double longer_px, shorter_px;
 };

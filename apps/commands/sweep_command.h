@@ -24,7 +24,7 @@ struct SweepOptions {
     bool strict = false;
 };
 
-/// Returns the number of images of a sweep. Throws the errors of run_sweep if an option is wrong.
+/// Returns the number of images of a sweep. If an option is wrong, throws the same error as run_sweep.
 [[nodiscard]] std::size_t pictures_of(const SweepOptions& options);
 [[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
 

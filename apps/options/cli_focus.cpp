@@ -1,4 +1,4 @@
-// The options of `focus`, `motionblur` and `shoot`, which make images of frames.
+// The options of `focus`, `motionblur` and `shoot`, which simulate a lens, a shutter or both.
 #include <limits>
 
 #include "apps/numbers.h"

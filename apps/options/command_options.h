@@ -31,8 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Sets `speak`, so that a line is printed after each frame, unless --quiet or --json is given. Returns
-    /// the options of --frames.
+    /// Returns the options of --frames. First sets `frames.speak`, so that a line is printed after each frame
+    /// unless --quiet or --json is given.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;

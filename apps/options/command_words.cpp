@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-// A mark states what the value of an option is, for example the name of an input file. CLI11 cannot store
-// marks, so each mark is stored as the name of a validator that accepts every value.
+// A mark states what the value of an option is, for example the name of an input file. CLI11's options have
+// no field for a mark. So `marked` adds a validator that accepts every value, and whose name is the mark.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 

@@ -41,8 +41,9 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// If several machines divide an image, limits the crop to this machine's rows. Also stores a mark by which
-/// `merge` recognises the result. Does nothing with --frames, because the machines then make whole frames.
+/// If several machines share one image (--share), limits `crop` to the rows of this machine, and sets
+/// `shared`, so that `merge` will recognise the result. Does nothing with --frames, because each machine then
+/// makes whole images.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -56,8 +57,9 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if several machines are to divide (--share) an image that must be made as a whole: with --explain,
-/// or by the method auto with measured errors (`decides`). With --frames, each image is made by one machine.
+/// Throws if --share would divide an image that only one machine can make. This is the case with --explain,
+/// and if the method `auto` decides by errors that it measures on the whole image (`decides`). Does not throw
+/// with --frames, because each machine then makes whole images.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -119,8 +121,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct with the exposure and `made_by`: the member `focus` if there is one, else `options`
-/// itself.
+/// Returns the struct that contains `exposure` and `made_by`: for ShootOptions its member `focus`, for all
+/// other commands `options` itself.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -147,8 +149,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // For `auto`, the exposure is computed from the first frame and used for all frames. It is
-            // therefore part of the stored description of how a frame was made.
+            // For `auto`, the exposure of the first frame is used for all frames. It is stored with each
+            // frame, because --keep must make all frames again if it changes.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

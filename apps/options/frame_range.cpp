@@ -86,14 +86,15 @@ std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? "" : json_dump(made_by);
 }
 
-/// Returns why an existing output must be made again: the first setting stored in its file that differs from
-/// the command. Returns an empty text if all settings agree.
+/// Compares the settings that the file `output` states with those of the command, `made_by`. Returns the
+/// first difference, which is why the output must be made again, or an empty text if there is none. A file
+/// without settings counts as different.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // `text_of` replaced invalid UTF-8 in the stored settings. It is applied here too, so that equal settings
-    // compare equal.
+    // The stored settings passed through `text_of`, which replaces invalid UTF-8. `made_by` passes through it
+    // too, so that equal settings compare equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

@@ -55,8 +55,8 @@ struct FrameFiles {
     std::vector<std::string> passes;
 };
 
-/// Throws Error(wrong_arguments) if a file name has a placeholder, or if an option is set that needs
-/// --frames.
+/// Checks a command without --frames. Throws Error(wrong_arguments) if a file name has a placeholder for the
+/// frame number, or if --keep or --fps is given.
 void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
 /// Runs the command for each frame by calling `run`, which also receives the text for Image::made_by. If

@@ -70,8 +70,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The viewer's page needs only the noise of each tile (a square of the image). All other data in
-        // `plan` are left out.
+        // The viewer's page shows only the noise (mean squared error) of each tile, a square of the image. So
+        // the rest of `plan` is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -154,8 +154,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method with this name, or an empty value if there is none. `auto` becomes `hybrid`, because
-/// both reproject the records and trace rays into the scene.
+/// Returns the method whose causes of error are searched for an image made by the method `name`. For `auto`,
+/// it is `hybrid`, because both reproject the records and trace rays. Empty if there is no such method.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -335,9 +335,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. If they are those of the last image, that
-/// image is returned. Otherwise, the file is opened a second time, so that requests that use the open file
-/// need not wait.
+/// Returns the image that `picture` makes with these parameters. If `picture` made its last image with them,
+/// returns that image. Otherwise opens the file a second time, so that other requests, which use the file
+/// that is already open, need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -74,8 +74,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by their light. Black samples are sorted by how much of the pixel they
-            // cover, so the light is at least a tiny multiple of alpha.
+            // Samples are sorted by their light, and black samples by their coverage alpha. For this, the
+            // light counts as at least 1e-12 times alpha.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

@@ -17,7 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// All hits of a pixel's samples on one object, by the same sequence of reflections and refractions.
+/// Sums over the records of a pixel that show the same object by the same sequence of reflections and
+/// refractions.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
