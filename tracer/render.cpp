@@ -173,8 +173,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // A block is summed from 0 before it is added to the total. A run that renders only this block
-            // (--share) sums it in the same order. Both results are therefore bit-identical.
+            // The sum of a block begins at 0 and is added to the total when the block ends. A run that
+            // renders only this block (--share) sums it in the same order, so both results are bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

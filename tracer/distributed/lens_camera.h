@@ -64,15 +64,15 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray through the lens. The ray
-    /// starts at the lens point `unit`, in lens radii, and contributes to the raster position (x, y). `t` is
-    /// the distance of the point along the ray, m. Not for cameras with a lens prescription.
+    /// A ray for the raster position (x, y) leaves the lens at `unit`, in lens radii. Returns the raster
+    /// position, px, at which the pinhole sees the ray's point at distance t, m. Not for cameras with a lens
+    /// prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth of the point `world`, 1/m, and its two derivatives along the raster's axes,
-    /// 1/m per px. The derivatives are those of the plane through `world` with the given normal. All three
-    /// values are 0 if the pinhole sees the plane edge-on or if the camera is orthographic. Not for moving
-    /// cameras.
+    /// 1/m per px. The derivatives are those of the surface's tangent plane, which has the given normal. All
+    /// three values are 0 if the pinhole sees this plane edge-on or if the camera is orthographic. Not for
+    /// moving cameras.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for

@@ -14,8 +14,8 @@ Scene recentred(Scene scene, const glm::dvec3& origin) {
         o.world_from_object[3] -= glm::dvec4(origin, 0);
         move_keys(o.keys, origin);
     }
-    // The keyframes of a light or camera are applied to its position at rest. If there are keyframes, it
-    // suffices to translate them.
+    // Keyframes transform the position at rest. Translating the keyframes therefore translates the result,
+    // and the position at rest must not change.
     for (Light& l : scene.lights) {
         if (l.keys.empty()) l.position -= origin;
         move_keys(l.keys, origin);

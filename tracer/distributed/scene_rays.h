@@ -24,9 +24,9 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. A
-    /// pixel that needs more patches is traced with rays instead. The value was measured on images of six
-    /// scenes.
+    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. Where
+    /// an image needs more patches per pixel, rays are traced instead. The value was measured on images of
+    /// six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -233,8 +233,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
             // The normal of a cone is constant along each line through the apex and changes only around the
-            // axis. Let e = (x, y) / rho be the unit vector that points away from the axis. Then d(e) = (I -
-            // e e^T) d(x, y) / rho.
+            // axis. e = (x, y) / rho is the unit vector that points away from the axis. Its derivative is (I
+            // - e e^T) / rho, and that of the normal is this matrix divided by `norm`.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

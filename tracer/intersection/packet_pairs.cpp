@@ -89,7 +89,8 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // If q is 0, half_b and the discriminant are 0 too. The ray then touches the surface at t = 0.
+        // q / a and c / q are the roots of a t^2 + 2 half_b t + c. q is 0 only if half_b and the discriminant
+        // are 0. The ray then touches the surface at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);

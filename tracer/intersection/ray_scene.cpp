@@ -88,9 +88,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
 }
 
 // Rejects hits on instances that do not exist at the time of the ray. A moving mesh has one instance for each
-// interval between keyframes. Embree 3.13 may report hits on all of them, because it tests all rays of an
-// occlusion packet in every interval that one of the rays needs. It may also report a hit twice, so
-// occlude_singly tests rays one at a time.
+// interval between keyframes. Embree 3.13 tests an occlusion packet in all intervals of its rays, so it may
+// report hits outside a ray's own interval.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

@@ -96,8 +96,9 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // Normals transform by the inverse transpose. For `base`, which maps to the local frame, this gives n *
-    // base. The motion scales and then rotates, so the normal is divided by the scale and then rotated.
+    // `base` maps directions to the local frame, so its transpose maps normals back: n * base is
+    // transpose(base) * n. The motion scales and then rotates, so the normal is divided by the scale and then
+    // rotated.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -180,8 +181,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // Derivative of the unit normal with respect to the position, both in world space. The transpose of
-        // `linear`, the local-from-world matrix, transforms normals from the local frame to world space.
+        // Derivative of the unit normal with respect to the position, in world space. `linear` maps positions
+        // to the local frame, so its transpose maps normals back to world space.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

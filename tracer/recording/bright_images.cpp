@@ -46,8 +46,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns by how far, in m, the k-th ray misses `point`: the vector from `point` to the nearest point of
-    /// the ray, projected onto a plane perpendicular to the beam.
+    /// Returns the vector, m, from `point` to the nearest point of the k-th ray, projected onto a plane
+    /// perpendicular to the beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -60,8 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Reflected and refracted images of bright objects are searched for only if their radiance exceeds this
-/// value. White is 1. In sRGB, the value is 1/8.
+/// Images of bright objects in mirrors and glass are searched for only if their radiance exceeds this value
+/// (white is 1). Its sRGB value is 1/8, a dark grey.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -122,8 +122,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // The vector by which a ray misses the centre of the object is modelled as middle + by_cell *
-        // position. `position` is the ray's position relative to the middle of the cell, in cell widths.
+        // `position` is a point of the cell, in cell widths from its middle. To first order, the ray at this
+        // point misses the object's centre by middle + by_cell * position, m.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -138,8 +138,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The image of the sphere is an ellipse. Its shorter semi-axis `half`, in cell widths, is the smaller
-        // singular value of radius * cell_by.
+        // The matrix radius * cell_by maps the unit circle to the image of the sphere, an ellipse. The
+        // shorter semi-axis `half`, in cell widths, is the smaller singular value of this matrix.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -38,9 +38,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes, px, at which some corner hits every bright image in a cell of width `size_px`.
-    /// `at` holds the reflected or refracted rays at the corners of the cell (upper left, upper right, lower
-    /// left, lower right), all after the same bounces.
+    /// Returns the cell sizes that the bright images in a cell of width `size_px` need, so that a corner of
+    /// some cell lies on each image. `at` holds the reflected or refracted rays at the corners of the cell
+    /// (upper left, upper right, lower left, lower right), all after the same bounces.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

@@ -40,16 +40,16 @@ class CellSplit {
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for the records at the corners of an undivided cell. The mark `fine_texture` means that
-    /// the texture has contrast between the corners. The mark `gap` means that the corners show several parts
-    /// of one object, or that the outline of another part crosses the cell. Only cells that are too small to
-    /// be divided for the same reason are marked.
+    /// Appends marks for the records at the corners of an undivided cell. `fine_texture`: the texture has
+    /// contrast between the corners. `gap`: the corners show several parts of one object, or the outline of
+    /// another part crosses the cell. A cell is marked only if `colour_levels` (for `fine_texture`) or
+    /// `edge_levels` (for `gap`) forbids further division.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// A layer of a sample: the shading tree of its visible surface or of a hidden surface behind it. `id`
-    /// and `part` are those of the root, and `rgb` is the radiance of the whole tree. The nodes are the
-    /// records [first, first + count) of `chunk`, sorted by path.
+    /// The shading tree of one visible or hidden surface of a sample. `id` and `part` are those of the
+    /// surface, and `rgb` is the radiance of the whole tree. The nodes are the records [first, first + count)
+    /// of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -68,8 +68,7 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// True if the cell is wider than 2^-levels px. Only then may a criterion that is limited to `levels`
-    /// levels divide it.
+    /// True if a limit of `levels` levels still allows the cell to be divided: it is wider than 2^-levels px.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
@@ -86,7 +85,7 @@ class CellSplit {
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
     /// True if the texture changes so much between the samples that the radiance of the node has contrast.
-    /// The texture is examined in the bounding box of the samples' texture positions.
+    /// All texture colours in the bounding box of the samples' texture positions count.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
@@ -95,7 +94,7 @@ class CellSplit {
     /// sample. Sets `at` to the index after the last record of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// True if the cell may contain a narrow object that all its corners miss. Objects behind the farthest
-    /// visible surface at the corners are ignored, unless a corner has a recorded hidden surface.
+    /// visible surface at the corners count only if hidden surfaces are recorded at a corner.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if all corners of the cell show the same part of an object, but the outline of another part
     /// passes in front of it.
@@ -103,9 +102,9 @@ class CellSplit {
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// shading trees of the surfaces that are visible at its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden surfaces at the corners divide the cell, by the criteria for visible surfaces. Only
-    /// hidden surfaces after the same sequence of bounces are compared. Corners without such a surface are
-    /// ignored.
+    /// True if the hidden surfaces at the corners differ so much that the cell must be divided, by the same
+    /// criteria as for visible surfaces. Only hidden surfaces after the same sequence of bounces are
+    /// compared. Corners without such a surface are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     /// Returns the path (sequence of bounces), as bits, of the first node of a layer (shading tree of one
     /// surface). The layer begins at record `at` of the sample. Returns `none` if there is no such record.

@@ -216,9 +216,9 @@ class BandSampler {
     }
 
     // Returns the pixels that are divided. A small object or a narrow shadow may lie between the corners of a
-    // pixel, most often near an edge. A pixel beside a divided pixel of its row is therefore also divided if
-    // its centre differs from its corners. This test continues along the row, so that it follows a narrow
-    // shadow.
+    // pixel, most often near an edge. The centres of the left and right neighbours of each divided pixel are
+    // therefore traced. A neighbour whose centre differs from its corners is divided too, and so on along the
+    // row.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;

@@ -34,8 +34,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The last row of samples lies on the lower edge of the stripe. The pixels below it are not
-        // subdivided, so the bytes of this row are not counted.
+        // The row of samples on the lower edge of the stripe is not counted. The pixels below it are not
+        // subdivided, so it needs fewer bytes than other rows.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
@@ -43,8 +43,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
                 // The file also contains a flat image. Each row of this image is made from the samples at the
-                // corners above and below it. The last row of a band is left out, because the corners below
-                // it may belong to the next band.
+                // corners above and below it. The last row of a band is not measured, because the corners
+                // below it may belong to the next band. The mean of the other rows stands for it.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

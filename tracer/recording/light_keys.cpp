@@ -57,8 +57,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images for which only certain keys (recorded instants) exist:
-    /// `recorded_s`, and one instant every `between` steps. If `between` is 0, `recorded_s` is the only key.
+    /// Returns the predicted PSNR of images if only these keys (instants) are recorded: `recorded_s`, and one
+    /// instant every `between` steps. If `between` is 0, `recorded_s` is the only key.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -115,8 +115,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
-    // instants. The points therefore also cover surfaces that are in view only part of the time.
+    // Returns the surface points that a grid of eye rays hits. The rays' instants cover the shutter interval
+    // and differ greatly between neighbours, so surfaces that are in view only part of the time are hit too.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -218,9 +218,9 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // The search starts with the most keys and stops at the first number that misses the target. Smaller
-    // numbers are not tried, because their errors may cancel by chance. An example is two keys if the light
-    // changes abruptly in the middle.
+    // The search starts with the most keys and stops at the first number that misses the target. With few
+    // keys, errors may cancel by chance: two keys give the right mean if the light is switched on in the
+    // middle of the interval.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

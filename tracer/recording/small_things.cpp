@@ -31,8 +31,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Factors by which half[1] and half[2] are multiplied at the two ends of the first axis. They differ only
-    // for cones.
+    // For a cone, half[0] is the axis, and `ends` are the factors of half[1] and half[2] at centre - half[0]
+    // and centre + half[0]. All other shapes have equal factors.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -165,10 +165,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by three conjugate half axes of the same ellipsoid. The first two
-// project to the half axes of the ellipsoid's image, an ellipse, the longer one first. The third is parallel
-// to the line of sight. Returns the ratio of the longer to the shorter axis of the ellipse, or 0 if the
-// ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate half axes h1, h2, h3 of the same ellipsoid: its points
+// are centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1. The first two project to the half axes of the
+// ellipsoid's image, an ellipse, the longer one first. The third is parallel to the line of sight. Returns
+// the ratio of the longer to the shorter axis of the ellipse, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -335,19 +335,20 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // A compact bright object needs small cells along its outline, because they determine its area. For an
-    // elongated object, the errors of neighbouring cells along the outline cancel.
+    // A compact bright object needs small cells along its outline, so that its area in the image is accurate.
+    // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. A piece needs at least three cells, so this many pieces exceed the limit
-    // most_cells_per_pixel. keep_affordable() then removes at least a third of them.
+    // Limits the memory for pieces. A piece needs at least three cells, so most_cells_per_pixel / 2 pieces
+    // per pixel need 1.5 times the allowed cells. keep_affordable() then removes at least a third of the
+    // pieces.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Estimates the number of cells: those of width find_px on and beside the piece, and the smaller ones
-    // along its outline.
+    // Estimates the number of cells of width find_px on and beside the piece, and of those of width
+    // outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -425,8 +426,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // If the object touches the cell, it is nearer to the centre than half of the cell's diagonal. This
-        // is 0.7071 times the size. The slightly larger 0.7072 allows for rounding.
+        // A piece extends up to `reach` from its axis, and the cell up to half of its diagonal, 0.7071 *
+        // size, from its centre. 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

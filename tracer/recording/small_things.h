@@ -28,8 +28,8 @@ class SmallThings {
     /// size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
     /// Largest size of a quadtree cell along the outline of a compact object brighter than white, as a
-    /// fraction of the object's width. With this fraction, the area of a disc, and so the brightness of its
-    /// circle of confusion, has an error of 1.2 % (Kendall 1948).
+    /// fraction of the object's width. With this fraction, the area of a disc has an error of 1.2 % (Kendall
+    /// 1948). The brightness of its circle of confusion is proportional to this area.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
@@ -64,9 +64,9 @@ class SmallThings {
     /// than the smallest cells or because there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the largest cell sizes, px, at which cell corners hit every narrow object in a square. (x, y)
-    /// is the upper left corner of the square and `size` its width, px. Objects farther away than
-    /// `farthest_m` are ignored.
+    /// Returns the cell sizes that narrow objects in a square need, so that a corner of some cell lies on
+    /// each object. (x, y) is the upper left corner of the square and `size` its width, px. Objects farther
+    /// away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:

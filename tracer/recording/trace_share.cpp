@@ -29,8 +29,8 @@ RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const Sa
         absent = stand_in_row(nullptr, window.x_begin, x_end, y);
         take(absent);
     }
-    // The row of pixels above the share is traced too, because its subdivision adds samples on the upper edge
-    // of the share's first row.
+    // The first row of the share contains samples on its upper edge where the pixels above are subdivided.
+    // The row of pixels above the share is therefore traced too.
     const SampledWindow traced{window.x_begin, window.x_end, std::max(window.y_begin, rows.begin - 1),
                                std::min(window.y_end, rows.end)};
     const RayCounts rays = sample_corners(

@@ -19,8 +19,8 @@ struct RowRange {
 /// two shares differ by at most one row. Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces the rows of `window` that belong to the share, as sample_corners does. All other rows are passed to
-/// `take` too, with records of rays that hit nothing (records/lost_rows.h).
+/// Traces the rows of `window` that belong to the share, as sample_corners does, and passes them to `take`.
+/// For every other row, `take` receives records of rays that hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

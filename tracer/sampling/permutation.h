@@ -24,8 +24,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift is 1 to bits - 1 and depends on the highest 4 bits of the offset. `step` uses only
-            // the lowest `bits` bits of the offset. Unless bits > 28, the shift is independent of these.
+            // The shift, 1 to bits - 1, depends on the highest 4 bits of offset_[r]. `step` adds only the
+            // lowest `bits` bits, so the shift is independent of what is added, unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }

@@ -29,8 +29,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two cells apart. This holds if `distance` is at most
-        // 0.586, as for all patterns of two or more points.
+        // Points closer than `distance` are at most two cells apart, because cells are at least distance / 2
+        // wide. This holds if distance <= 2 - sqrt(2), as for all patterns of two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -57,8 +57,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of random points that are tried before the pattern is started again. It is more
-    // than ten times the average number that the last point needs (100).
+    // Limit of the number of random points that are tried before the pattern is started again. The last point
+    // needs 100 tries on average (poisson_distance_share), less than a tenth of this limit.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));

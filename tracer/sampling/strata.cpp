@@ -16,16 +16,16 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. Adding 0.5 to
-/// the dividend keeps rounding errors from changing the result, so quotients of up to 2^24 are exact.
+/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. (a + 0.5) / d
+/// is at least 0.5 / d away from any integer, so rounding errors do not change quotients of up to 2^24.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Divides [0, 1) into `value` equal intervals and returns the lower edge of interval `cell`, in units of
-    /// 2^-24, rounded up.
+    /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24,
+    /// rounded up. For integers, a / d rounded up is (a + d - 1) / d rounded down.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
@@ -67,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row whose first cell, floor(row * n / rows), is at most c. This is equivalent to row
-        // * n < (c + 1) * rows.
+        // Finds the last row whose first cell, floor(row * n / rows), is at most c. This means row * n / rows
+        // < c + 1, or row * n <= (c + 1) * rows - 1.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

@@ -162,7 +162,7 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
         // Schlick's approximation uses the angle in the medium with the smaller index of refraction. For a
         // ray that leaves the denser medium, this is the angle of the refracted ray. An opaque material is
-        // only seen from outside.
+        // treated as seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);

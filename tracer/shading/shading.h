@@ -35,7 +35,7 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Returns the light after the transform `motion`, which its keyframes define for one instant.
+/// Returns the light at one instant. `motion` is the value of the light's keyframes at this instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
 /// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres
