@@ -44,7 +44,8 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, light passes straight through the surface, so transmission has no lobe.
+        // If alpha is below 1 (`through` > 0), some light passes straight through the surface, so
+        // transmission has no lobe.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -19,8 +19,8 @@ struct MeshEdge {
 };
 
 /// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if their
-/// vertex indices differ. Such an edge stores the lowest index of each position. An edge of more than two
-/// triangles is listed once for each pair of successive triangles.
+/// vertex indices differ. Such an edge stores the lowest index of each position. An edge of triangles 2, 5
+/// and 9 is listed twice: for 2 and 5, and for 5 and 9.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs. Two triangles belong to the same part if they are

@@ -11,8 +11,8 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are too short to define a direction by vectors that are perpendicular to the other
-// columns.
+// Replaces columns that are much shorter than the longest, so that they define no direction, by vectors that
+// are perpendicular to the other columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -46,8 +46,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Normalises the columns, so that the rotation depends only on their directions. For perpendicular
-    // columns, the result is exact.
+    // Normalises the columns, so that the rotation depends only on their directions. The loop below makes
+    // them perpendicular (polar decomposition). It does not change perpendicular columns.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

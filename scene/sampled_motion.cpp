@@ -10,8 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// The gap between two keyframes is divided into this many equal parts. The error is measured at the 7 times
-// between them.
+// To measure the error of interpolation, the gap between two keyframes is divided into this many equal parts.
+// The error is measured at the 7 times between the parts.
 constexpr int looks = 8;
 
 struct Sampler {

@@ -112,7 +112,7 @@ struct Object {
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
     /// Keyframes of the motion. If there are any, they replace world_from_object: the transform at time t is
-    /// key(t) * motion_base.
+    /// key(t) * motion_base, where `motion_base` is the object's transform before the motion.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
     /// If false, the object blocks no light. An example is an emitting ball around a point light.

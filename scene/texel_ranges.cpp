@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// A rectangle of up to this many texels along each edge is read texel by texel. In a larger one, up to this
-/// many squares of texels, with precomputed ranges, are read along each edge.
+/// A rectangle of up to this many texels along each edge is read texel by texel. A larger one is read in
+/// squares of texels with precomputed ranges, at most this many along each edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -72,8 +72,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Positions are wrapped or clamped before they are converted to squares, because the last square of a row
-    // may contain fewer texels than the others.
+    // Positions are wrapped or clamped as texels and then converted to squares. Squares cannot be wrapped,
+    // because the last square of a row may contain fewer texels than the others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

@@ -18,8 +18,8 @@ namespace {
     const double quotient = d / size;
     const double cell = std::floor(quotient);
     // Rounding may have moved the quotient across a cell border. The sign of the remainder c - offset -
-    // border * size tells on which side of the border c lies. The sign is exact, because fma rounds only
-    // once, and `lost` is the rounding error of c - offset (Knuth's two-sum).
+    // border * size tells on which side of the border c lies. It is exact: c - offset is d + lost, where
+    // `lost` is the rounding error of d (Knuth's two-sum), and fma rounds only once.
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -122,8 +122,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Texels are counted from the upper left, and their centres are at half-integer positions. Bilinear
-    // interpolation therefore reads texels up to half a texel beyond the rectangle.
+    // Converts the bounding box to texels, counted from the upper left. Their centres are at half-integer
+    // positions, so bilinear interpolation reads texels up to half a texel beyond the box.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

@@ -354,8 +354,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods reproject only the frame's own instant, so its overscan must suffice for the whole shutter
-    // interval.
+    // Some methods blur motion from the records of the frame's own instant alone. The overscan of this
+    // instant must therefore suffice for the whole shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

@@ -25,7 +25,7 @@ struct TraceSettings {
     /// levels. `subdivision.levels` then limits only the subdivision due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Number of levels that suffices for methods that also trace rays into the scene where the records are
+    /// Value of `subdivision.levels` for methods that also trace rays into the scene where the records are
     /// too coarse. docs/planner.md compares the times of other values.
     static constexpr int ray_levels = 1;
     /// Angle, degrees, by which an object may turn relative to the camera between two recorded instants. Used
@@ -35,15 +35,17 @@ struct TraceSettings {
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, in dB, of light that changes between two recorded instants (light_keys). Used if `keys`
-    /// is absent. The squared error at 43 dB is half of that at 40 dB, the default target of the method auto.
+    /// is absent. 43 dB use half of the squared error that 40 dB allow, the default target of the method
+    /// auto.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower. If the light
-    /// changes smoothly, half as many instants then suffice.
+    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, four times the
+    /// RMS error. This error grows with the square of the time between instants if the light changes
+    /// smoothly, so half as many instants suffice.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` to the radius of a lens with the f-number `for_f_number`, or else
-    /// that of the camera, or else 1.4. If `for_f_number` is given, `bend_radius_m`, the lens radius for
-    /// measuring `w_bend`, gets the same value.
+    /// trace_to_file sets `lens_radius_m` from the f-number of the lens: `for_f_number`, or that of the
+    /// camera if absent, or 1.4 if both are absent. If `for_f_number` is given, `bend_radius_m`, the lens
+    /// radius for measuring `w_bend`, gets the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =

@@ -122,8 +122,8 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform applies a scale, then a rotation (clockwise, because v points down), then
-            // an offset. In the mesh, v points up.
+            // KHR_texture_transform applies a scale, then a rotation (counter-clockwise on the image, because
+            // v points down), then an offset. In the mesh, v points up: it is 1 - v.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

@@ -77,8 +77,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // If `peek` has already read the next line, no words are left of `taken_line_`, the line of the last
-    // word.
+    // Returns no words if `peek` has already read a later line. `taken_line_` is the line of the last word,
+    // and `words_` are the words of line `line_`.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the record of `layer` with the given path (sequence of bounces), or else that of layer 0, or else
-/// null. Layer 0 is needed, because the layer of a hidden surface does not repeat the mirrors and glass in
-/// front of it.
+/// Returns the record with the given path (sequence of bounces) in `layer`, else the one in layer 0, else
+/// null. For a hidden surface seen in a mirror or through glass, the mirror or glass is recorded only in
+/// layer 0.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {

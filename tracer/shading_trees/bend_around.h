@@ -1,6 +1,6 @@
-// Estimates a node's `w_bend` from the values at samples around it. This saves the rays that would measure
-// it. When the lens point moves, the matrix W describes the first-order motion of the node's image, and
-// `w_bend` the second order.
+// Estimates `w_bend`, the second-order motion of a node's image when the lens point moves, from samples
+// around the node. This saves the rays from several lens points that measure it. The matrix W describes the
+// first-order motion.
 #pragma once
 
 #include <array>

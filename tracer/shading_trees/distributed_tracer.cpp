@@ -29,7 +29,7 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped, because the light above the clamp is drawn separately, as highlights
+/// A node whose radiance is clamped, because the light above the clamp is added to the image as highlights
 /// (LightElsewhere). All light of the node is summed before clamping.
 struct LimitedNode {
     std::uint32_t sample = 0;
@@ -37,7 +37,7 @@ struct LimitedNode {
     bool counts = false;  ///< see add_limited
 };
 
-/// Clamps the radiance of a node to `eye.less->above` and adds the result to the radiance of its ray. If
+/// Clamps the radiance of a node to LightElsewhere::above and adds the result to the radiance of its ray. If
 /// `counts` is true, adds the amount above the clamp to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));

@@ -30,12 +30,13 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. A reflected or
-    /// refracted ray is not traced if its contribution times this factor is below `min_contribution`.
+    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. They are used
+    /// only to omit reflected and refracted rays whose contribution to the caller's result is below
+    /// `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed
-    /// only with `less`: the light that `less` excludes depends on this position.
+    /// only with `less`: LightElsewhere::of decides by this position whether a node is clamped.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
@@ -77,8 +78,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out. This
-    /// is so if the ray's entry in EyeRays::left_out_of is this node.
+    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out. Per
+    /// ray, EyeRays::left_out_of identifies the nodes whose removed radiance the caller needs.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

@@ -51,8 +51,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, in the limit of an infinite distance along the ray (see LensReach). It
-    /// is 0 for an eye ray, but not for a ray that a curved mirror reflects.
+    /// Returns the inverse depth (LensReach), 1/m, of the image of an infinitely distant point on the ray. It
+    /// is 0 for an eye ray, but not after a curved mirror, which images such a point at a finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

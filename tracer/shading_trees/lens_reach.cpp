@@ -118,10 +118,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // The covers are the surfaces in front of the hidden surface. Over the lens, their images shift relative
-    // to it. The lens sees past an edge of the covers if the edge is nearer to the ray than this shift. The
-    // first test uses an upper bound of the shift and rejects most rays. The last test uses the shift of a
-    // nearer surface beside the covers, which may hide their edge.
+    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with the inverse
+    // depth `nearest`, relative to the hidden surface. First, `nearest` is an upper bound for all surfaces
+    // close to the ray, which rejects most rays. Then it is that of the covers, and last that of a nearer
+    // surface beside them, which may hide their edge.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

@@ -29,16 +29,16 @@ namespace postlens {
 class LensReach {
   public:
     /// Two surfaces are treated as one if, over the lens, their images shift by less than this value, px,
-    /// relative to each other. Beside an edge, the lens then sees less than a quarter of a pixel of the
-    /// farther surface.
+    /// relative to each other. The strip of the farther surface that the lens sees past an edge is at most
+    /// this wide.
     static constexpr double same_place_px = 0.25;
     /// Margin, px, around the strip of a hidden surface that the lens sees. There are two reasons. The
     /// position of an edge is known only up to the diagonal of a pixel. The recorded strip must include the
     /// corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the shift of its image over the lens changes by at least this value
-    /// between neighbouring pixels, px/px. Within a plane, it changes this much only if the plane is seen so
-    /// obliquely that no lens point sees behind it.
+    /// An edge between two surfaces is assumed where, over the lens, their images shift relative to each
+    /// other by at least this value, px, per px of their distance on the raster. Within a plane, the shift
+    /// changes this much only if the plane is seen so obliquely that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -57,8 +57,8 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, in the limit of an infinite distance along the ray. It is 0 for an eye ray,
-        /// but not for a ray that a curved mirror reflects.
+        /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray. It is 0 for an eye
+        /// ray, but not after a curved mirror, which images such a point at a finite depth.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray. `behind` is

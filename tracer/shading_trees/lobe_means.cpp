@@ -38,8 +38,8 @@ double window(const LobeHit& a, const LobeHit& b) {
 }
 
 // Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
-// index, so that hits close to each other on the raster use consecutive, stratified points (lobe_point). 16
-// bits per coordinate are enough to distinguish the hits of one batch.
+// index and use successive points of a stratified sequence (lobe_point), so the directions of nearby hits are
+// stratified. 16 bits per coordinate are enough to distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -227,7 +227,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Number of hits that share rays with this hit, estimated from every `stride`-th hit.
+            // `within` is the number of hits that share rays with this hit, weighted by `window` and
+            // estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

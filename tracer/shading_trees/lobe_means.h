@@ -26,9 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of this node times throughput, without the means over its lobes. Noise in a mean is less
-    /// visible on a brighter node, so fewer rays are traced there. Other nodes of the sample are ignored, so
-    /// more rays than needed may be traced.
+    /// Throughput times the radiance of this node that does not come from its lobes. Noise in a mean is less
+    /// visible on a brighter node, so fewer rays are traced there. The sample's other nodes would hide noise
+    /// too, but are ignored.
     glm::dvec3 beside{0};
 };
 
@@ -53,7 +53,8 @@ struct LobeHit {
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the time for rough metals, whose noise is then about 4/255.
+    /// Largest number of rays per hit. It limits the time for rough metals. The noise of their image values
+    /// is then about 4/255.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.

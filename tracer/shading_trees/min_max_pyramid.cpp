@@ -78,12 +78,12 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Searches the values within `radius` of `at`, depth-first. `visit(range, square, distance2)` decides whether
-// to descend into a square, to skip it or to end the search. `distance2()` returns the squared distance from
-// `at` to the nearest integer position in the square. A square of level 0 is a single value.
+// Searches the values within `radius` of `at`, depth-first. A square of level 0 is a single value.
+// `visit(range, square, distance2)` decides whether to descend into a square, to skip it or to end the
+// search. `distance2()` returns the squared distance from `at` to the nearest integer position in the square.
 //
-// `promise(range)` rates a square by its range of values. Of the four parts of a square, the one with the
-// highest rating is searched first. Each part is skipped if `keeps(promise)` is false when its turn comes.
+// `promise(range)` rates a square. Of its four parts, the one with the highest rating is searched first. When
+// the turn of a part comes, it is skipped if `keeps(promise)` is false.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {

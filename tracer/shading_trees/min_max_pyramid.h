@@ -15,8 +15,8 @@ class MinMaxPyramid {
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// The search region around the position `at`. It contains a value v at a distance d from `at` if d <=
-    /// radius, top - v >= least, and top - v >= slope * d.
+    /// The search region around the position `at`. It contains a value at a distance d from `at` if d <=
+    /// radius and the value is less than `top` by at least `least` and by at least slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0

@@ -8,7 +8,8 @@ namespace {
 
 using glm::dvec3;
 
-// Solves A W = B by least squares. The columns of A and B lie in the same plane, so the solution is exact.
+// Solves A W = B for the 2 x 2 matrix W, where A = (a0, a1) and B = (b0, b1). All columns lie in one plane,
+// so the least-squares solution is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
@@ -28,7 +29,8 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
 
 RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray) {
     RayDifferentials out;
-    // The direction is D = v / |v| with v = forward + p_x right + p_y down, so dD = (dv - D (D . dv)) / |v|.
+    // `across` maps a derivative of v = forward + p_x right + p_y down to that of the ray's direction D. D is
+    // v / |v|, so its derivative is (dv - D (D . dv)) / |v|. 1 / |v| is cos_axis.
     const auto across = [&](const dvec3& dv) {
         return (dv - ray.direction * glm::dot(ray.direction, dv)) * ray.cos_axis;
     };

@@ -16,18 +16,19 @@ using glm::dvec3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Largest number of Newton steps in the search for the ray from a lens point to a node. All steps use the
-// derivatives at the pinhole, so each step reduces the error only about tenfold. If the search has not
-// converged, its estimated error is added to the result.
+// derivatives at the pinhole instead of new ones, so convergence is linear: each step reduces the error about
+// tenfold. If the search has not converged, its estimated error is added to the result.
 constexpr int most_steps = 5;
-// The search for a ray has converged in two cases: its last step is at most `settled_px`, or its estimated
-// error is at most `settled_share` of the result. The result is the difference between the ray and its
-// first-order prediction.
+// A search computes the difference between the ray and its first-order prediction. It has converged if its
+// last step is at most `settled_px`, or if its estimated error is at most the fraction `settled_share` of
+// this difference.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed error after the first Newton step, as a fraction of the length of this step. After later steps, the
-// error is estimated from the ratio of the last two steps.
+// After the first Newton step, the remaining error is assumed to be this fraction of the step. After later
+// steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays are first traced from two lens points at right angles. If both rays differ from their first-order
-// prediction by at most this fraction of settled_px, the opposite lens points are skipped.
+// Rays are first traced from the lens points (1, 0) and (0, 1), in lens radii. If both differ from their
+// first-order prediction by at most this fraction of settled_px, the lens points (-1, 0) and (0, -1) are
+// skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a node behind them.

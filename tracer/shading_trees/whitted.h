@@ -73,9 +73,9 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of its radiance (r, g, b) that has sampling noise: the means over lobes and,
-    /// in the penumbra of an area light, the light's contribution minus the noise-free estimate
-    /// ExtentLit::steady. Empty if no record has noise.
+    /// For each record, the part of its radiance (r, g, b) that has sampling noise. It consists of the means
+    /// over lobes and, in the penumbra of an area light, of the light's contribution minus its noise-free
+    /// estimate (ExtentLit::steady). Empty if no record has noise.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor
     /// lights.
@@ -101,13 +101,13 @@ class WhittedTracer {
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
     /// close together. Thread-safe.
     ///
-    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. They are used to
-    /// estimate `w_bend` of a node (bend_around), the second-order motion of its image when the lens point
-    /// moves. Where there is no estimate, `w_bend` is measured.
+    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. If they determine the
+    /// `w_bend` of a node (bend_around), it is not measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// `w_bend` is the second-order motion of a node's image over the lens. It counts as small if it
-    /// displaces the image by less than this value, px, for every lens point.
+    /// `w_bend` is the second-order motion of a node's image over the lens. If it displaces the images at
+    /// nearby samples by less than this value, px, for every lens point, bend_around estimates it from them
+    /// even if they differ.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.

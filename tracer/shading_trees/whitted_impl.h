@@ -83,14 +83,15 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and these rays.
+        // chain_rays are reflected and refracted rays, and chain_hits their hits, behind which a lens may see
+        // hidden surfaces.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
         // Used only if `w_bend`, the second-order motion of a node's image over the lens, is measured.
-        // `bounces` contains the objects at which each ray has bounced, at the index of the ray's
-        // differentials. `bent` contains the nodes to be measured.
+        // bounces[ray.differentials] lists the objects at which a ray has bounced. `bent` contains the nodes
+        // to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
@@ -124,7 +125,7 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Exits from
-    // a glass object are not stored, because the transmitted ray finds the surfaces behind them anyway.
+    // a glass object are not stored, because the transmitted ray finds the surfaces behind an exit anyway.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces the hidden surfaces that are seen in mirrors or through glass. Each of them starts its own layer
