@@ -47,7 +47,7 @@ Decomposed decompose(const dmat4& m) {
         return out;
     }
     // Normalises the columns, so that the rotation depends only on their directions. The loop below makes
-    // them perpendicular (polar decomposition). It does not change perpendicular columns.
+    // them perpendicular (polar decomposition) if they are not.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

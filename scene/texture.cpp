@@ -18,8 +18,8 @@ namespace {
     const double quotient = d / size;
     const double cell = std::floor(quotient);
     // Rounding may have moved the quotient across a cell border. The sign of the remainder c - offset -
-    // border * size tells on which side of the border c lies. It is exact: c - offset is d + lost, where
-    // `lost` is the rounding error of d (Knuth's two-sum), and fma rounds only once.
+    // border * size tells on which side c lies. It is exact: c - offset is d + lost, where `lost` is the
+    // rounding error of d (Knuth's two-sum), and fma rounds only once.
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

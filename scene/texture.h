@@ -61,7 +61,7 @@ class Texture {
     }
     /// Returns the range of colours in the bounding box of two texture positions, from all cells or texels
     /// that overlap the box. If the positions are half an image or more apart, they are assumed to lie on
-    /// both sides of a seam, where the box is meaningless. Only the colours at the two positions are then
+    /// both sides of a seam, where the box is meaningless. Only the colours at both positions are then
     /// included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 

@@ -38,9 +38,9 @@ struct TraceSettings {
     /// is absent. 43 dB use half of the squared error that 40 dB allow, the default target of the method
     /// auto.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, four times the
-    /// RMS error. This error grows with the square of the time between instants if the light changes
-    /// smoothly, so half as many instants suffice.
+    /// Value of `light_db` for methods that also trace rays into the scene. 12 dB less means four times the
+    /// RMS error, which grows with the square of the time between instants if the light changes smoothly.
+    /// Half as many instants then suffice.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets `lens_radius_m` from the f-number of the lens: `for_f_number`, or that of the

@@ -88,9 +88,9 @@ class MaterialReader {
         return out;
     }
 
-    // Reads the emissive texture. `has_uv` means that the texture of the base colour has determined `uv`, the
-    // only texture coordinates of the material. An emissive texture with other coordinates is then replaced
-    // by its mean colour.
+    // Reads the emissive texture. If `has_uv`, the texture of the base colour has determined `uv`, the only
+    // texture coordinates of the material. An emissive texture with other coordinates is then replaced by its
+    // mean colour.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);

@@ -77,8 +77,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the image position of a ray through the pinhole, relative to the image centre. The unit is half the
-// image diagonal, so a corner is at a distance of 1. `tangent` gives the direction of the ray.
+// Returns the image position of a ray with the direction `tangent` through the pinhole, relative to the image
+// centre. The unit is half the image diagonal, so a corner is at a distance of 1.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }

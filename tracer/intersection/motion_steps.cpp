@@ -81,8 +81,8 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // `excess` is the distance by which the moving shape extends beyond the interpolated boxes, measured
-    // `looks` times per step. Between two of these instants, a bound whose second difference is `bend`
-    // deviates from a straight line by bend / 8. The margin bend / 4 covers this.
+    // `looks` times per step. Between these instants, a bound with the second difference `bend` deviates from
+    // a straight line by bend / 8. The margin bend / 4 covers this.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -60,8 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images of bright objects in mirrors and glass are searched for only if their radiance exceeds this value
-/// (white is 1). Its sRGB value is 1/8, a dark grey.
+/// Images of bright objects in mirrors and glass are searched for only above this radiance (white is 1). Its
+/// sRGB value is 1/8, a dark grey.
 constexpr double dimmest = 0.0144;
 
 }  // namespace

@@ -42,8 +42,8 @@ class CellSplit {
     using Marks = std::vector<Mark>;
     /// Appends marks for the records at the corners of an undivided cell. `fine_texture`: the texture has
     /// contrast between the corners. `gap`: the corners show several parts of one object, or the outline of
-    /// another part crosses the cell. A cell is marked only if `colour_levels` (for `fine_texture`) or
-    /// `edge_levels` (for `gap`) forbids further division.
+    /// another part crosses the cell. A cell is marked only if `colour_levels` (`fine_texture`) or
+    /// `edge_levels` (`gap`) forbids further division.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:

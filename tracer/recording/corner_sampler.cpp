@@ -216,7 +216,7 @@ class BandSampler {
     }
 
     // Returns the pixels that are divided. A small object or a narrow shadow may lie between the corners of a
-    // pixel, most often near an edge. The centres of the left and right neighbours of each divided pixel are
+    // pixel, most often near an edge. The centres of a divided pixel's left and right neighbours are
     // therefore traced. A neighbour whose centre differs from its corners is divided too, and so on along the
     // row.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {

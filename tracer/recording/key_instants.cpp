@@ -25,8 +25,8 @@ using glm::dvec3;
 // step is assumed to be less than 180 degrees.
 constexpr int steps = 512;
 
-// An object whose keyframes scale it needs a key (recorded instant) at which each scale factor is at least
-// this fraction of its largest value in the shutter interval.
+// An object whose keyframes scale it needs a recorded instant at which each scale factor is at least this
+// fraction of its largest value in the shutter interval.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {

@@ -41,10 +41,9 @@ struct KeyCount {
 };
 
 /// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// every moving object. A key or `recorded_s` must lie in each time span in which an object is in view. An
-/// object is in view if its bounding sphere reaches into the frame, even if other objects hide it. If
-/// keyframes scale the object, it must also have at least half of its largest size. Time spans too short for
-/// up to 64 keys are ignored.
+/// every moving object. A key or `recorded_s` must lie in each time span in which an object is in view: its
+/// bounding sphere reaches into the frame, even if other objects hide it. If keyframes scale the object, it
+/// must also have at least half of its largest size. Time spans too short for up to 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 

@@ -165,10 +165,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate half axes h1, h2, h3 of the same ellipsoid: its points
-// are centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1. The first two project to the half axes of the
-// ellipsoid's image, an ellipse, the longer one first. The third is parallel to the line of sight. Returns
-// the ratio of the longer to the shorter axis of the ellipse, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate ones, h1, h2 and h3: its points are centre + a h1 + b
+// h2 + c h3 with a^2 + b^2 + c^2 <= 1. The first two project to the half axes of the ellipsoid's image, an
+// ellipse, the longer one first. The third is parallel to the line of sight. Returns the ratio of the longer
+// to the shorter axis of the ellipse, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -339,9 +339,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. A piece needs at least three cells, so most_cells_per_pixel / 2 pieces
-    // per pixel need 1.5 times the allowed cells. keep_affordable() then removes at least a third of the
-    // pieces.
+    // Limits the memory for pieces. As a piece needs at least three cells, most_cells_per_pixel / 2 pieces
+    // per pixel need 1.5 times the allowed cells. keep_affordable() then removes a third or more of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

@@ -30,9 +30,9 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. They are used
-    /// only to omit reflected and refracted rays whose contribution to the caller's result is below
-    /// `min_contribution`.
+    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. They serve only
+    /// to omit reflected and refracted rays that contribute less than `min_contribution` to the caller's
+    /// result.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed

@@ -14,7 +14,7 @@ using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
 // Two surfaces that move by up to this value, px, relative to each other on the film are assumed to uncover
-// nothing. A strip this narrow is not visible, because a pixel is the mean of at least four samples.
+// nothing. So narrow a strip is not visible, because a pixel is the mean of at least four samples.
 constexpr double same_place_px = 0.25;
 
 // Largest number of surfaces that one ray enters or leaves. It limits the time for rays through foliage.
@@ -64,7 +64,7 @@ class Follower {
 
     // Returns the distance, m, from which the ray is traced further. It lies just before the last hit,
     // because another surface may have the same position, such as a floor under a box. After a repeated hit
-    // (`beyond`), all of these surfaces are known, and the ray is traced from just behind the hit.
+    // (`beyond`), all of these surfaces are known, and it lies just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -163,9 +163,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass itself,
-        // so the lens sees more of them past an edge. A mirror or glass is therefore kept if the lens could
-        // see a surface at any depth on the same ray.
+        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass, so the
+        // lens sees more of them past an edge. A mirror or glass is therefore kept if the lens could see a
+        // surface at any depth on the same ray.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

@@ -52,7 +52,7 @@ struct FirstHit {
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
     /// Returns the inverse depth (LensReach), 1/m, of the image of an infinitely distant point on the ray. It
-    /// is 0 for an eye ray, but not after a curved mirror, which images such a point at a finite depth.
+    /// is 0 for an eye ray, but not after a curved mirror, which images the point at a finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

@@ -58,7 +58,7 @@ class LensReach {
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
         /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray. It is 0 for an eye
-        /// ray, but not after a curved mirror, which images such a point at a finite depth.
+        /// ray, but not after a curved mirror, which images the point at a finite depth.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray. `behind` is

@@ -27,8 +27,8 @@ struct LobeHit {
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
     /// Throughput times the radiance of this node that does not come from its lobes. Noise in a mean is less
-    /// visible on a brighter node, so fewer rays are traced there. The sample's other nodes would hide noise
-    /// too, but are ignored.
+    /// visible on a brighter node, so fewer rays are traced there. The sample's other nodes are ignored,
+    /// although they hide noise too.
     glm::dvec3 beside{0};
 };
 

@@ -20,8 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // tenfold. If the search has not converged, its estimated error is added to the result.
 constexpr int most_steps = 5;
 // A search computes the difference between the ray and its first-order prediction. It has converged if its
-// last step is at most `settled_px`, or if its estimated error is at most the fraction `settled_share` of
-// this difference.
+// last step is at most `settled_px`, or its estimated error at most `settled_share` of this difference.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // After the first Newton step, the remaining error is assumed to be this fraction of the step. After later
 // steps, it is estimated from the ratio of the last two steps.

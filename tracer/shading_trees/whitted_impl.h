@@ -89,9 +89,8 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if `w_bend`, the second-order motion of a node's image over the lens, is measured.
-        // bounces[ray.differentials] lists the objects at which a ray has bounced. `bent` contains the nodes
-        // to be measured.
+        // Used only if `w_bend` (Record) is measured. bounces[ray.differentials] lists the objects at which a
+        // ray has bounced. `bent` contains the nodes to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
