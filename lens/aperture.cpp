@@ -80,8 +80,9 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // farthest_ must bound the corners of outline(), a polygon with the same area as the circle. At the
-        // largest tolerance, 0.02 lens radii, its corners lie less than 1.5 % outside the circle.
+        // outline() returns a polygon with the same area as the circle, so its corners lie outside the
+        // circle. farthest_ includes these corners. They exceed the circle by less than 1.5 % for tolerances
+        // up to 0.02 lens radii.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {

@@ -55,10 +55,9 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline, in lens radii, of the part of the aperture that transmits light to the image
-    /// position `field`. `rim_scale` is the scale k of the rim that causes cat's-eye vignetting (see
-    /// Aperture). The outline is a polygon within `tolerance` of the true curve. It is empty if no light
-    /// passes. Not available for apertures given as images.
+    /// Returns the outline, in lens radii, of the part of the aperture that transmits light to the field
+    /// position `field`. The outline is a polygon within `tolerance` of the true curve, and empty if no light
+    /// passes. Not available for apertures given as images. `field` and `rim_scale` are as in Aperture.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
     /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
     /// radii. If rim_scale is below 0.05, returns a square around the aperture instead, which blocks no
@@ -67,9 +66,10 @@ class Aperture {
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns true if light through point q of the aperture passes the rim that causes cat's-eye vignetting.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting.
-    /// Without such a rim, the fraction is 1. For the disc, it is exact. For other shapes, it is taken from a
-    /// table, with an error of about 1e-3 for distant scene points (rim_scale 1).
+    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting. The
+    /// fraction is 1 without such a rim, and exact for the disc. For other shapes, it is interpolated in a
+    /// table over `field` and `rim_scale`. The error is about 1e-3 where rim_scale is 1, that is, for distant
+    /// scene points.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture. The density of the points is proportional to the

@@ -42,8 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns the number of parts into which a line of `length` on the lens is divided. Despite spherical
-/// aberration, the image of each part then deviates from a straight line by less than 0.02 px.
+/// Returns the number of parts, at most 256, into which a line of `length` on the lens is divided. Spherical
+/// aberration makes the line's image curved; the image of each part is straight within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -185,8 +185,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
     // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
-    // images, Aperture::farthest is slightly too large for it.
+    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Aperture::farthest
+    // equals the largest rho of aperture images, but is slightly larger for other shapes.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
@@ -201,8 +201,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye (mechanical vignetting), the outline varies even within a region of the image that uses
-    // one response. More precision than 0.02 px would therefore be wasted.
+    // With cats_eye (mechanical vignetting), the outline differs from pixel to pixel, but all pixels of a
+    // region share one response. The error of this sharing makes a precision better than 0.02 px useless.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -35,12 +35,14 @@ inline constexpr double smallest_response_px = 1e-4;
 /// curve, or within 0.02 px if cats_eye (mechanical vignetting) is set. It is empty if no light passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns an upper bound of the distance between the response's centre and its farthest light, in px.
+/// Returns an upper bound of the distance, in px, between `image.centre_px` and the response's farthest
+/// light.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns the largest distance, in px, between the geometric image of a scene point and the point's light.
-/// `radius_px` is the signed radius of the circle of confusion. `spherical_px` is the spherical aberration as
-/// in ApertureImage. Unlike largest_reach_px, the result is exact where aberration and defocus partly cancel.
+/// Returns the largest distance, in px, between the centre of a response and its light. Light through the
+/// lens centre lands on this centre. `radius_px` is the signed radius of the circle of confusion.
+/// `spherical_px` is the spherical aberration as in ApertureImage. The result is exact, even if aberration
+/// and defocus partly cancel.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to

@@ -66,8 +66,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // The part of the side left of column 0 lies to the left of every pixel in this row. It therefore
-        // adds its energy to all of them.
+        // A side adds energy to the area on its right. For the part of the side left of column 0, this area
+        // contains the whole row, so after[0] gets the energy.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

@@ -24,8 +24,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Lengthens only the minor axis. With the unit vector a along the major axis, M M^T is minor I +
-        // (major - minor) a a^T.
+        // Lengthens only the minor axis. M M^T is minor I + (major - minor) a a^T, where `major` and `minor`
+        // are the squared semi-axes and a is the unit vector along the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -89,12 +89,12 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area to the left of x in the strip, which is the part of the ellipse within one pixel row. x
-/// is relative to the centre.
+/// Returns the area of the part of the strip to the left of the vertical line at x. The strip is the part of
+/// the ellipse within one pixel row. x is relative to the ellipse's centre.
 ///
 /// Let left(t) and right(t) be the ends of the ellipse's chord at the height t. The area is the integral of
-/// min(right(t), x) - min(left(t), x) over t. It has a closed form between the heights where the outline
-/// crosses x.
+/// min(right(t), x) - min(left(t), x) over t. Between the heights at which the ellipse crosses the line, this
+/// integral has a closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;

@@ -1,4 +1,5 @@
-// Converts lens points to displacements on the raster. All conversions between mm, m and px are in this file.
+// Converts a shift of the viewpoint on the lens to the displacement of a scene point's image on the raster.
+// All conversions between mm, m and px are in this file.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,9 +24,9 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, applied to records that were traced through a pinhole. If the viewpoint
-/// moves from the pinhole to lens point q (in m, in raster axes), a point at depth z' moves on the raster by
-/// `gain_px * (1/s - 1/z') * q` px. gain_px is the film distance in px.
+/// A lens focused at distance s, whose centre is the pinhole of the trace. If the viewpoint moves from the
+/// pinhole to the lens point q (in m, in raster axes), the image of a point at depth z' moves on the raster
+/// by `gain_px * (1/s - 1/z') * q` px.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
@@ -39,10 +40,13 @@ struct FocusGeometry {
     }
 };
 
-/// Makes the geometry of a focused lens. The focal length F must be positive and finite. The f-number must be
-/// positive; infinity means a pinhole. The focus distance s may be infinite. It must exceed F for the lens to
-/// form a real image, except with the framing `keep` (that of the trace), for which s > 0 suffices. Throws
-/// Error(wrong_arguments), with the reason, if a value is out of range.
+/// Makes the geometry of a focused lens.
+/// - The focal length F must be positive and finite.
+/// - The f-number must be positive; infinity means a pinhole.
+/// - The focus distance s must exceed F, because the lens forms no real image of nearer points. For
+///   Framing::keep, s > 0 suffices. s may be infinite.
+///
+/// Throws Error(wrong_arguments), with the reason, if a value is out of range.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

@@ -17,8 +17,8 @@ struct Piece {
 /// Returns the fraction of the pixel [x, x + 1) that lies to the right of the piece, averaged over the
 /// piece's height.
 double right_of(const Piece& p, double x) {
-    // `integral` is the antiderivative, with respect to `at`, of clamp(x + 1 - at, 0, 1), which is the part
-    // of the pixel to the right of `at`.
+    // The fraction of the pixel to the right of `at` is clamp(x + 1 - at, 0, 1). `integral` is the
+    // antiderivative of this function of `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
@@ -46,8 +46,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // The corners are ordered from the x axis towards the y axis, which points down. A side that runs
-        // upwards is therefore on the left of the polygon, and gets the sign +1.
+        // The corners are in clockwise order, with y pointing down. A side that runs upwards is therefore on
+        // the left of the polygon, and gets the sign +1.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }

@@ -6,10 +6,12 @@
 
 namespace postlens {
 
-/// The energy in each pixel of a rectangle. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin +
-/// j, y_begin + j + 1), in px, with x to the right and y down. The origin of these coordinates, the anchor,
-/// is an integer raster position; the geometric image of the point light source need not lie on it. Values
-/// are not negative. They add up to 1, unless the function that makes the grid documents a loss of light.
+/// An impulse response: the energy of a point light source in each pixel of a rectangle. Values are not
+/// negative. They add up to 1, except where the function that makes the grid says that light is lost.
+///
+/// Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), in px, with x to the
+/// right and y down. The origin of these coordinates, the anchor, is an integer raster position. The
+/// geometric image of the source may lie between such positions.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

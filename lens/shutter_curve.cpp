@@ -119,9 +119,9 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Finds the time x after knot a (a point of the curve) at which the light has grown by `missing`:
-    // a.density x + (b.density - a.density) x^2 / (2 width) = missing. Of the two solutions, the one that
-    // grows with `missing` is used.
+    // Between the knots a and b, the density is linear. In the time x after a, the light grows by a.density x
+    // + (b.density - a.density) x^2 / (2 width). Solves for the x at which this is `missing`. Of the two
+    // solutions, x is the one that is 0 for missing = 0.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));

@@ -93,8 +93,9 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// Returns the condition number of the Jacobian over the parameters `free`, with its columns scaled to length
-/// 1. `weak` receives the direction in parameter space that the data determine least precisely.
+/// Returns the condition number of the Jacobian with respect to the fitted parameters, whose indices are in
+/// `free`. Its columns are scaled to length 1, so that the parameters' units do not matter. `weak` receives
+/// the direction in parameter space that the data determine least precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));

@@ -23,8 +23,9 @@ struct CocPair {
 
 struct FittedNumber {
     double value = 0;
-    /// Standard error of `value`, estimated from the residuals of the fit. Absent if the request gave the
-    /// value, if the data do not determine it, or if there are no more measurements than parameters.
+    /// Standard error of `value`, estimated from the residuals of the fit. Absent if `value` comes from
+    /// ThinLensFitRequest, if the data do not determine it, or if there are no more measurements than
+    /// parameters.
     std::optional<double> standard_error;
 };
 

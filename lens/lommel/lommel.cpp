@@ -29,7 +29,7 @@ double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first)
     return sum * std::pow(ratio, static_cast<double>(first));
 }
 
-/// Q_2s(v) of [born1999, 8.8, eq. 27].
+/// Q_2s(v), a sum of products of Bessel functions [born1999, 8.8, eq. 27].
 double q_function(const std::vector<double>& j, std::size_t two_s) {
     double sum = 0;
     for (std::size_t p = 0; p <= two_s; ++p) {
@@ -39,8 +39,7 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, .., where Q is the function of [born1999, 8.8,
-/// eq. 27].
+/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, .. with Q_2s from q_function.
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -80,8 +79,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // Evaluates (2/u)^2 (U1^2 + U2^2) with Lommel's functions U1 and U2. Both functions are divided by
-        // u/v, so that u may be 0. The result for u = 0 is the Airy pattern.
+        // The intensity is (2/u)^2 (U1^2 + U2^2), where U1 = x odd and U2 = x^2 even are Lommel's functions
+        // for x = u/v. The factor x cancels 1/u, so u may be 0 (the Airy pattern).
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -102,8 +101,8 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Computes the encircled energy by [born1999, 8.8, eq. 29]. In that equation, Y_n is the sum of (-1)^s (n
-    // + 2 s) (v/u)^(n + 2 s) J_(n + 2 s) over s = 0, 1, ..
+    // [born1999, 8.8, eq. 29], where Y_n is the sum of (-1)^s (n + 2 s) (v/u)^(n + 2 s) J_(n + 2 s) over s =
+    // 0, 1, .. The loop adds the terms of odd order to Y1, and those of even order to Y2.
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

@@ -23,10 +23,11 @@ namespace postlens {
 /// 8.8.3]. It is 1 for infinite v. Needs O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
-/// Returns the fraction of the energy beyond radius v at defocus u, without its oscillation from fringe to
-/// fringe: (2 / pi) v / (v^2 - u^2). Valid only well outside the geometric disc: v - |u| must exceed both 8
-/// sqrt(|u|) and 30. The formula follows from the first terms of Lommel's functions for large v, with cos^2
-/// replaced by its mean 1/2.
+/// Returns the fraction of the energy beyond radius v at defocus u, averaged over fringes: (2 / pi) v / (v^2
+/// - u^2). The formula follows from the first terms of Lommel's functions for large v, with cos^2 replaced by
+/// its mean 1/2.
+///
+/// Valid only well outside the geometric disc: v - |u| must exceed both 8 sqrt(|u|) and 30.
 [[nodiscard]] double energy_beyond(double u, double v);
 
 }  // namespace postlens

@@ -21,15 +21,15 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// pi r^2) over y. The substitution y = x sinh t, r = x cosh t turns it into the integral of L / (2 pi cosh
 /// t) over t. Equal steps of t are short steps of r where the border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // At distances below this value, the energy flow is negligible, because the encircled energy near the
-    // centre is proportional to the square of the radius.
+    // If |x| is below this value, the flow is negligible. Near the centre, L is proportional to r^2, so the
+    // flow is proportional to x.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // A panel of the quadrature spans at most 6 units of the optical radius v, so that its 16 nodes resolve
-    // the fringes. Panels are wider only if more than 64 are wanted, because a pixel contains hundreds of
-    // fringes.
+    // the fringes. There are at most 64 panels. A border that needs more crosses over 100 fringes, whose
+    // contributions nearly cancel.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -44,15 +44,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which diffraction fringes are averaged. 70 % of the distance between two
-/// quadrature nodes gives the smallest error for fringes of intermediate width.
+/// Returns the width, in px, over which diffraction fringes are averaged. For fringes about as wide as the
+/// distance between two quadrature nodes, 70 % of this distance gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the distance r from the centre, where L is the energy within radius r,
-/// averaged over fine fringes. A value times x is the energy that flows through a pixel border at distance x
-/// from the centre, per unit length of the border.
+/// Table of L / (2 pi r^2) over the distance r from the centre, where L is the encircled energy, averaged
+/// over fine fringes. L / (2 pi r) is the radial energy flow (see fill_pixel_energy), and x/r its part along
+/// x. A table value times x is therefore the flow per px of a border at constant x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -76,7 +76,7 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy that flows in the direction of x through a pixel border of constant x.
+/// Computes the energy flow (see fill_pixel_energy) through a pixel border that is parallel to the y axis.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -154,7 +154,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
     // The energy flow is computed in a square around the grid, so the profile must extend to the corners of
-    // this square. The last term is a margin for the averaging of fringes.
+    // this square, and at least to near_px, where FlowTable begins. 4 smoothing_px is a margin for the
+    // averaging of fringes.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Quadrature weights for eight equidistant values. They integrate the polynomial through these values over
-/// the middle one of the seven intervals. The weights are symmetric, so only four are stored.
+/// Weights that integrate dE/dv over one step, from the eight nearest values. They are exact for the
+/// polynomial through these values. They are symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -20,7 +20,7 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 
 double RadialEnergy::step_for(double u) {
     // At small defocus |u|, a few fringes contain all of the energy, so the steps must be fine. At large |u|,
-    // each fringe contains at most 1/u of the energy.
+    // each fringe contains at most 1/u of the energy, so coarser steps suffice.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -75,9 +75,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integral, from 0 to t, of the cubic Hermite polynomial w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2
-    // r) t^3, where t runs from 0 to 1 along the step. w0 is the value at t = 0, s0 and s1 are the slopes at
-    // both ends, and r (`rise`) is the difference of the end values.
+    // Along the step, t runs from 0 to 1. `within` is interpolated by the cubic Hermite polynomial w0 + s0 t
+    // + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3. w0 is its value at t = 0, s0 is slope0, s1 is slope1 and
+    // r is `rise`. The result contains the integral of this polynomial from 0 to t.
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

@@ -30,8 +30,8 @@ class RadialEnergy {
 
     /// Returns the fraction of the energy within radius v, for 0 <= v <= v_end. The error is below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of `within` from 0 to v. Use it to compute the mean of `within` between two
-    /// radii, which averages out the finer fringes.
+    /// Returns the integral of `within` from 0 to v. The difference of two integrals gives the mean of
+    /// `within` between two radii, which averages out fringes narrower than this interval.
     [[nodiscard]] double within_integral(double v) const;
     /// I(u, v) at v = i step().
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }

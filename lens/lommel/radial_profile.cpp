@@ -35,9 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Estimates `within` at v from its means over three adjacent intervals of width w, in which fine
-        // fringes are averaged out: 26/24 of the middle mean, minus 1/24 of each outer mean. Where `within`
-        // is smooth, the error is 3/640 of its fourth difference.
+        // Estimates `within` at v from its means over three adjacent intervals of width w, which average out
+        // narrower fringes. The weights 26/24 (middle mean) and -1/24 (outer means) are exact for cubic
+        // polynomials. For other smooth functions, the error is 3/640 of the fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -46,8 +46,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // The averaging intervals around a radius end at 1/2 and 3/2 of `width_px` from it. `half` and `three`
-    // are these distances in steps of width_px / row_steps.
+    // As in smoothed_within, `within` at a radius is estimated from three adjacent intervals of width
+    // width_px. They end at 0.5 width_px and 1.5 width_px on both sides of the radius. `half` and `three` are
+    // these distances in steps of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

@@ -77,8 +77,8 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Transfer matrix from the first surface to the plane of the stop. If the stop itself is a refracting
-    // surface, its refraction is in `back`.
+    // Transfer matrix from the first surface to the plane of the stop. If the stop is a refracting surface,
+    // the matrix `back` below contains its refraction.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));

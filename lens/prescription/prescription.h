@@ -76,8 +76,8 @@ struct Prescription {
 
 /// Repairs neighbouring surfaces that overlap within their clear radii, as in some patents and files of
 /// fisheye lenses. If the overlap exceeds 1 % of the smaller clear radius, both clear radii are reduced to
-/// the radius where the surfaces meet, and a note is added. If that radius is below 1 % of the smaller clear
-/// radius, the surfaces stay unchanged.
+/// the radius where the surfaces meet, and a note is added. If this would leave less than 1 % of the smaller
+/// clear radius, the surfaces stay unchanged, so that check_prescription rejects the lens.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these conditions hold:

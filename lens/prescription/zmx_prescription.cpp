@@ -93,9 +93,9 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // If the catalogue does not contain the glass, the nd and Vd on the line define it. Many files give
-    // Zemax's placeholder (nd 1.5, Vd 40) for a catalogue glass. These values are accepted only for a model
-    // glass, which has no catalogue entry.
+    // The catalogue does not contain the glass, so the nd and Vd on the line define it. In many files, nd 1.5
+    // and Vd 40 are a placeholder of Zemax for catalogue data, and do not describe the glass. They count only
+    // for a model glass, which has no catalogue entry.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);

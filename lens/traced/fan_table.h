@@ -28,8 +28,8 @@ class FanTable {
     /// light.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Returns an upper bound of how fast the response changes over the field. If the object point moves,
-    /// each ray's landing point moves relative to the point's image. The bound is the ratio of these two
-    /// movements, both measured as tangents.
+    /// each ray's landing point moves relative to the point's image. The result bounds the movement of the
+    /// landing point divided by that of the object point. Both movements are differences of field tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

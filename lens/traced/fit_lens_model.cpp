@@ -109,8 +109,9 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray that passes the pupil at the height q, at the field tangent t, meets the surface at
-        // the height a q - b t.
+        // A paraxial ray at height q in the pupil, with field tangent t, meets the surface at the height a q
+        // - b t. Here, a is the height of the ray with q = 1 and t = 0, and b that of the ray with q = 0 and
+        // slope 1 (t = -1).
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

@@ -79,9 +79,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // Searches outwards in steps of one degree, until the chief ray lands at least field_mm from the film
-    // centre, or nearer to it than in the previous step. The latter happens at large field angles. The last
-    // step is then bisected.
+    // Searches outwards in steps of one degree. The search ends when the chief ray lands at least field_mm
+    // from the film centre, or, at large field angles, when its distance from the centre no longer grows.
+    // Bisection refines the last step.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -115,9 +115,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // `landing` returns the height at which a paraxial ray meets the film, per mm of its height in the pupil.
-    // The ray comes from a point on the axis; the inverse depth is measured from the pinhole. The result is 0
-    // if the point is in focus.
+    // `landing` traces the paraxial ray from a point on the axis through the pupil at the height 1 mm. It
+    // returns the height, in mm, at which the ray meets the film: 0 if the point is in focus. The point's
+    // depth is measured from the pinhole.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -128,7 +128,8 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // Inverse depth, in 1/m, at which the thick lens is in focus.
+    // Inverse depth, in 1/m, that is in focus for paraxial rays. A focus distance in the settings takes
+    // precedence.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

@@ -43,9 +43,10 @@ struct ModelRay {
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. Its centre is
-/// (0, (shift + shift_by_depth K) T + bend T^3), and its radius is radius + radius_by_depth K + growth T^2. T
-/// is the field tangent and K the defocus, each divided by its largest value.
+/// One of the three circles whose intersection is the pupil. Lengths are in radii of the paraxial pupil. T is
+/// the field tangent and K the defocus, each divided by its largest value in PolynomialLens. The circle's
+/// centre is (0, (shift + shift_by_depth K) T + bend T^3), and its radius is radius + radius_by_depth K +
+/// growth T^2.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
@@ -74,10 +75,10 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` field tangents from 0
-/// to the edge of the field. b may be infinite. At the edge, the chief ray (the ray through the centre of the
-/// stop) lands `field_mm` from the centre of the film. Throws Error(wrong_arguments) unless 0 < a < b, or if
-/// no chief ray lands at that distance.
+/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` equally spaced field
+/// tangents from 0 to the tangent at which the chief ray (the ray through the centre of the stop) lands
+/// `field_mm` from the centre of the film. b may be infinite. Throws Error(wrong_arguments) unless 0 < a < b,
+/// or if no chief ray lands at that distance.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -101,8 +102,8 @@ class LensModels {
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick-lens model, the landing point on the film is the pupil point times the factor
-    /// thick_at_infinity() + thick_per_depth_m() / z', in mm per mm, where z' is the depth in m.
+    /// In the thick-lens model, the ray through pupil point p lands on the film at p (thick_at_infinity() +
+    /// thick_per_depth_m() / z'), where z' is the depth of the object point in m.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

@@ -9,8 +9,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Moves the origin of a ray along the ray to the plane z. The intersection with a surface squares the
-// origin's coordinates, so a distant origin would lose precision.
+// Moves the origin of a ray along the ray to the plane z, near the lens. Intersections with surfaces are
+// computed from squared coordinates of the origin, which are imprecise if the origin is far away.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
 }
@@ -50,15 +50,16 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
     // If the ray's origin is more than 100 radii of curvature away, its squared coordinates are too
-    // imprecise. The origin then moves along the ray to the point nearest to the vertex. A second pass
-    // removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
+    // imprecise. The origin then moves along the ray to the point nearest to the vertex. For a tiny surface,
+    // the rounding error of this movement can exceed the radius, so the loop repeats the movement once.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0, where c is the curvature and
-    // q is 1 plus the conic constant. Of the two roots t, the one that stays finite as c approaches 0 is used
-    // [welford1986, 4.3]. It is f / (b + root), or (b - root) / a where b and root nearly cancel.
+    // q is 1 plus the conic constant. This is the quadratic equation a t^2 - 2 b t + f = 0. Of its two
+    // solutions, the one that stays finite as c approaches 0 is used [welford1986, 4.3]. It is f / (b + root)
+    // = (b - root) / a; the form without cancellation is computed.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;

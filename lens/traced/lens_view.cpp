@@ -74,8 +74,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
 }
 
 // Returns the mean weight of rays over the unit square of (u, v), where blocked rays have weight 0. The
-// region of passing rays is divided into triangles between its centre and its edge. The region is symmetric,
-// so only one half is computed, and the result is doubled.
+// weight is integrated over the region of passing rays, which is divided into triangles between its centre
+// and its edge. The region is symmetric, so only one half is integrated, and the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {

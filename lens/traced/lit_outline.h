@@ -36,8 +36,8 @@ class LitOutline {
     }
 
   private:
-    /// Number of bisection steps in the search for the edge. The width of the last step is about scale /
-    /// 2^16.
+    /// Number of bisection steps in the search for the edge. They reduce the initial interval, usually 3
+    /// scale, to 3 scale / 2^18.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 

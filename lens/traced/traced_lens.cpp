@@ -90,8 +90,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The pupil moves with the lens during focusing. The pinhole, from which depths and tangents are
-    // measured, does not move.
+    // Depths and tangents are measured from the pinhole, which does not move during focusing. The pupil moves
+    // with the lens, so it sees a near object point in a direction other than `field`.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -157,9 +157,9 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // The rays lie in one meridian, at equal steps of the pupil radius y. Each ray represents a ring
-        // whose area is proportional to y, so y is its weight. object_ray is not used, because it measures
-        // the object distance from the pinhole and not from the pupil.
+        // Moves z to the smallest rms spot. The rays lie in one meridian, at equal steps of the pupil radius
+        // y. Each ray represents a ring whose area is proportional to y, so y is its weight. The object
+        // distance is measured from the pupil here, not from the pinhole as in object_ray.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -199,9 +199,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         return;
     }
     // Let x be the distance of the object from the front focal point, and x' that of the image from the rear
-    // one. They satisfy x x' = n' efl^2. If the lens moves between a fixed object and a fixed film, x + x' is
-    // constant, and x x' is largest for x = x'. The object is too near if even this product is below n'
-    // efl^2.
+    // one. If the object is in focus, x x' = n' efl^2, so x + x' is at least 2 sqrt(n') efl. The lens moves
+    // between a fixed object and a fixed film, so x + x' is given. If it is below this limit, the object
+    // cannot be brought into focus.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -280,8 +280,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search for passing rays begins in a square of half width `widest` in the plane of the last surface.
-    // Rays through the paraxial exit pupil to any film point meet this plane within beam / 2 of the axis.
+    // `beam` is the width, in the plane of the last surface, of all rays from the paraxial exit pupil to the
+    // film. The search for passing rays begins in a square of half width `widest` in this plane.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -292,8 +292,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search tests a coarse grid in the whole square. Up to three further searches test a grid
-        // in the rectangle in which rays pass.
+        // The first search tests a coarse grid in the whole square, and returns the rectangle in which rays
+        // pass. Up to three further searches test a grid in this rectangle, and make it tighter.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {

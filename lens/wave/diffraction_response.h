@@ -49,8 +49,8 @@ struct ChannelResponses {
                                                                   const DiffractionSettings& settings);
 
 /// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. Solves (2/pi)
-/// v/(v^2 - u^2) = tail, which is an average over fringes. The result can therefore be too small by up to one
-/// fringe. Near the edge of the disc, it is too large, because the formula overestimates the energy beyond v.
+/// v/(v^2 - u^2) = tail. This formula averages over fringes, so v can be too small by up to one fringe. Near
+/// the edge of the geometric disc, at v = |u|, the formula overestimates the energy, so v is too large.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

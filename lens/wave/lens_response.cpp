@@ -71,8 +71,8 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // Smaller radii, including 0, are replaced by this value, because the disc must have an area. It still
-    // covers the same pixels.
+    // The disc must have an area, so smaller radii, including 0, are replaced by this value. The larger disc
+    // is still far smaller than a pixel.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -146,8 +146,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Uniform intensity of the disc, relative to the peak intensity in focus: 1 / (area of the disc),
-        // divided by v_per_px^2 / (4 pi).
+        // Intensity of the disc, 1 / (pi R^2) with R = u / v_per_px, relative to the peak in focus,
+        // v_per_px^2 / (4 pi). Both are per px^2.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -210,9 +210,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid in px, which is odd and at most largest_own_size_px. If this limit
-/// permits, the grid contains all light of a geometric response, which ends at `farthest_px` from the centre.
-/// With diffraction, it contains at least 99 % of the light.
+/// Returns the default width of the grid in px, which is odd. The grid contains all light of a geometric
+/// response, which ends at `farthest_px` from the centre. With diffraction, it contains about 99 % of the
+/// light. A response wider than largest_own_size_px is cut off.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
@@ -250,8 +250,9 @@ LensResponse lens_response(const LensResponseRequest& request) {
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // The displacement, in px, that spherical aberration X (1/m) causes for light through the rim. At
-    // distance rho from the lens centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
+    // Spherical aberration X (in 1/m) adds X rho^2 to the defocus 1/s - 1/z of light through the lens at rho
+    // lens radii from its centre. spherical_px is the displacement that this causes at the rim: X times image
+    // distance and lens radius.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);
