@@ -22,39 +22,40 @@ struct FieldBlurSettings {
     std::optional<Crop> crop;
 };
 
-/// Returns the directly visible surfaces of a file, one mesh per recorded instant. Surfaces seen by
-/// reflection or transmission are drawn as part of the mirror or glass, and move with it.
+/// Returns the directly visible surfaces of a file, one mesh per recorded instant. A mirror or glass is drawn
+/// with the colours that are seen in it or through it. These colours move with its surface.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
-    PatchPicture picture;  ///< pixels over which nothing moves are black and count as known
+    PatchPicture picture;  ///< in pixels over which nothing moves, `unknown` is 0
     int views = 0;
     /// Weight of each recorded instant in the blurred image; the weights sum to 1.
     std::vector<double> instant_shares;
 };
 
 /// Bit of PatchPicture::touched. It is set in pixels that show an object of `wanted_ids`, in the records or
-/// in a view. It is also set where a view sees something that is not recorded.
+/// in a view. It is also set where a view finds no recorded surface.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Averages views (reprojected images) at instants that are distributed like the shutter's transmission. A
-/// view blends the records of the recorded instants just before and after it, both reprojected to the view's
-/// own instant. Each view has its own sample position in the pixel. Objects that are `still` according to
-/// `ids` are not moved, even if their recorded positions differ. Only tiles over which an object of
-/// `wanted_ids` (sorted) may pass are computed.
+/// Blurs moving objects as the mean of many views. A view is an image at one instant: a blend of the recorded
+/// instants just before and after it, both reprojected to the view's instant. The views are closer in time
+/// while the shutter transmits more light. Each view has its own sample position in the pixel.
+///
+/// `ids` states how objects move; those of kind `still` stay in place, even if their recorded positions
+/// differ. Only tiles over which an object of `wanted_ids` (sorted) may pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
 /// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Pixels over which
-/// nothing moves are black, and their share of unknown light is 0. `field` must have exactly one set of
-/// views, and its `class_marks` must not be empty.
+/// nothing moves (`touched` is 0) get `unknown` 0. `field` must have one element of `sets`, and `class_marks`
+/// must not be empty, so that `touched` is computed.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies a pixel of `seen` to `image` if its entry in `touched` has a bit of `marks`. Both images have the
-/// same size. Light of the pixel that was not recorded is taken from `behind`, which may be empty if all
-/// light was recorded.
+/// Copies the pixels of `seen` whose `touched` contains a bit of `marks` to `image`, which has the same size.
+/// The unrecorded fraction of a pixel (`unknown`) is filled with the colour of `behind`, which may be empty
+/// if all fractions are 0.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -49,8 +49,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Shadows and lights may move over static surfaces, so the images of all recorded instants are
-        // blended.
+        // In static pixels, lightfield and auto blend the images of all recorded instants, because shadows
+        // and lights may move. `convolve` uses the records of the frame's time only.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -94,8 +94,8 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // The records of other instants also matter, because an object may move differently there or may be
-        // recorded only there.
+        // Objects are also classified from the records of other instants, where an object may move
+        // differently, or which alone may contain it.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -291,8 +291,8 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so no static pixel shows the background behind them. It is
-            // filled from the views of the whole image instead, not only from those of the crop.
+            // Moving objects cover every pixel, so no static pixel shows the background. fill_behind then
+            // takes the background from the views, which must cover the whole image and not only the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -314,8 +314,8 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the colours of the background behind moving objects, interpolated from static pixels. If moving
-    // objects cover every pixel, they are interpolated from the pixels in which at least one view shows a
+    // Returns the colours of the background behind moving objects, interpolated from static pixels. If there
+    // are no static pixels, the colours are interpolated from the pixels in which at least one view shows a
     // recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
@@ -403,7 +403,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference is not finite if one of the times is not finite, or if the subtraction overflows.
+    // The duration is infinite or NaN if a time is infinite, or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -32,8 +32,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Moves parallel to the film, and nearer points move farther. The displacement of each point is
-    /// proportional to its inverse depth, within 0.25 px.
+    /// The object moves parallel to the film, and nearer points move farther: the displacement of each point
+    /// is proportional to its inverse depth, with an error of at most 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };

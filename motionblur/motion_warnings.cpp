@@ -206,8 +206,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether a cut-off edge of the object moves into the frame. Such an edge lies at the border of the
-/// recorded area. `map` moves the object's records from the recorded instant to another instant.
+/// The border of the recorded area may cut off a part of an object. Returns whether the cut moves into the
+/// frame when `map` moves the object's records from the recorded instant to another instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -357,8 +357,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, every surface that fills the frame is cut off at all times. For lightfield,
-        // the warning "uncovered" reports the missing parts instead.
+        // If the camera moves, all objects move, and each surface that fills the frame would cause a warning.
+        // For lightfield, the warning "uncovered" reports what is missing.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

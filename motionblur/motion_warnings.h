@@ -50,10 +50,10 @@ class UnseenMotion {
 /// pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts off an object at any time t of the exposure. The
-/// object counts as whole at t if it is whole in the records of the frame's time, or of the recorded instant
-/// just before or after t. `instants` contains the bounding boxes of the objects at the recorded instants
-/// that may be used, beginning with the frame's time.
+/// Returns whether the border of the recorded area cuts off an object at any time t of the exposure. An
+/// object is not cut off at t if all of it is in the records of the frame's time, or in those of the recorded
+/// instant just before or after t. `instants` contains the bounding boxes of the objects at the recorded
+/// instants that may be used, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

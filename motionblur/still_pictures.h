@@ -19,8 +19,8 @@ namespace postlens {
 /// recorded instants, because shadows and lights may move over static surfaces. `shares` contains the weight
 /// of each instant, which is its share of the exposure.
 ///
-/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. If a pixel shows such an
-/// object at an instant, its mean leaves out this instant. If all instants are left out, the pixel does not
+/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. An instant does not count
+/// in the mean of a pixel that shows such an object at this instant. If no instant counts, the pixel does not
 /// change.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,

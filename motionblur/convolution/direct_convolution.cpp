@@ -325,16 +325,17 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of object values that are read for each cell of the path's raster. Whole tiles are read, up to
-    // one tile beyond the nonzero columns of each row.
+    // Number of cells of the object's raster that are read for each cell of the path's raster. Whole tiles
+    // are read, up to one tile beyond the nonzero columns of each row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
     // Only this share of the full result is computed. The number of additions is proportional to it.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copies of more
-    // than `large_values` values take longer, because the system first has to provide their memory.
+    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copying an
+    // object's raster of more than `large_values` values takes longer per value, because the system first has
+    // to provide the memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

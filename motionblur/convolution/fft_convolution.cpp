@@ -28,8 +28,9 @@ struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Returns the smallest size of a transform that computes the cells [x0, x1) of the result without
-/// wrap-around. Only the cells [a, b) of the object's raster contribute to this part of the result.
+/// Returns the smallest transform size for which the cells [x0, x1) of the result are correct: the transform
+/// is periodic, and its period must not add other cells to them. [a, b) are the cells of the object's raster
+/// that contribute to them.
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -226,8 +227,8 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// For each row of the result, computes the range of columns that nonzero cells of the object's raster
-    /// reach.
+    /// For each row of the result, computes the range of columns that can be nonzero, because the path moves
+    /// nonzero cells of the object's raster to them.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {

@@ -12,13 +12,13 @@
 namespace postlens {
 namespace {
 
-/// The static surfaces of one pixel whose depths lie between two neighbouring moving groups, as weighted sums
-/// over the pixel's samples.
+/// The moving groups' depths divide depth into intervals. This struct contains weighted sums, over the
+/// samples of one pixel, of the static surfaces in one interval.
 struct Between {
     std::array<double, 3> colour{};
     /// The coverage of the pixel by these surfaces is covered / known. `covered` is the weight of the samples
-    /// that show a static surface in this interval of depth. `known` is the weight of the samples that have a
-    /// record in it or behind it.
+    /// that show a static surface in this interval. `known` is the weight of the samples that have a record
+    /// in the interval or behind it. Only these samples tell whether the interval contains a surface.
     double covered = 0, known = 0;
 };
 
@@ -108,7 +108,8 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Index of the interval of depth that contains the sample's previous static surface; initially none.
+        // Index of the interval of depth that contains the next nearer static surface of the sample, or
+        // between.size() if there is none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -180,9 +181,9 @@ class Composite {
 };
 
 /// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels. It is the product of bounds of the two variances. The coverage by a
-/// group that covers a pixel for a fraction c of the exposure has the variance c (1 - c). The variance of the
-/// group's light is at most c, for light up to 1.
+/// group's light, summed over pixels. A squared covariance is at most the product of the two variances. If a
+/// group covers a pixel for a fraction c of the exposure, its coverage has the variance c (1 - c). Its light
+/// has at most the variance c if its radiance is at most 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -115,9 +115,10 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area of a piece of a surface is max(0, 1 + v). v is the sum of rate * position over the
-    // axes, and lies between `low` and `high`. The area is replaced by area * (1 - v / low), which is linear
-    // in v, 0 at v = low, and has the same mean over the range of v.
+    // Along the path, v, the sum of rate * position over the axes, lies between `low` and `high`. The piece's
+    // projected area is multiplied by max(0, 1 + v), because the piece shows its back if 1 + v < 0. But
+    // slices can only change linearly (SliceRaster). The factor is therefore replaced by area * (1 - v /
+    // low), which is 0 at v = low and has the same mean over the range of v.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }

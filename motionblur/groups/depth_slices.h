@@ -15,8 +15,8 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
 /// Returns the error of drawing a group as one opaque surface, although parts at different depths move
-/// differently: the largest total area of gaps and overlaps between parts, as a fraction of the group's
-/// recorded area. Parts that move apart by less than 0.5 px do not count.
+/// differently: the total area of gaps and overlaps between parts, as a fraction of the group's recorded
+/// area. Each gap counts with its largest width along the path, if this is at least 0.5 px.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -26,8 +26,9 @@ struct PathAxis {
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction from the recorded position to the path's farthest point, and also the perpendicular
-/// direction if the path leaves this line by more than 1 px. Returns nothing if the path does not move.
+/// Returns the direction from the recorded position to the path's farthest point. If the path contains points
+/// more than 1 px beside this line, also returns the perpendicular direction. Returns nothing if all points
+/// of the path are the recorded position.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
 /// How the projected area of a piece of a surface changes while the piece moves along its path. At time t,
@@ -44,9 +45,9 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice, which change linearly while the slice moves. At the
-/// displacement p along the path, they are `flat` plus the sum over the axes a of stretched[a] * (dot(p,
-/// a.direction) - a.low_px).
+/// Red, green, blue and coverage of a depth slice. They change linearly while the slice moves, as the
+/// projected area of its surfaces does (Stretch). At the displacement p along the path, they are `flat` plus
+/// the sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -56,8 +57,8 @@ struct SliceRaster {
 /// is drawn into both, with linear weights that sum to 1.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width of a pixel, in m:
-    /// at a distance of 1 m for a perspective camera, and at any distance for an orthographic one.
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width, in m, that a
+    /// pixel covers in the scene. For a perspective camera, it is measured at a distance of 1 m.
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 

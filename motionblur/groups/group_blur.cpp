@@ -58,8 +58,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // `reach` contains the displacements, in cells, that move a part of the group's raster into the frame.
-    // Only the part of the path within this window is drawn.
+    // Only the part of the path within `reach` is drawn. Other displacements, in cells, move the group's
+    // raster completely out of the frame.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};

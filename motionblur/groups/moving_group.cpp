@@ -25,8 +25,8 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
 }
 
 /// Returns whether the displacements of two objects' centres agree within `alike_px` at all tested instants.
-/// For objects with parallax, the displacements are scaled to the inverse depth `nearest` (in 1/m). If
-/// `nearest` is 0, they are not scaled.
+/// For objects with parallax, displacements are first scaled to the inverse depth `nearest` (in 1/m), to
+/// which they are proportional. 0 means objects without parallax, whose displacements are not scaled.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,

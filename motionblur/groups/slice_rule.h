@@ -17,8 +17,8 @@ struct PassedBox {
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
 /// Returns the fraction of the group's passed_box in which a static surface lies in the group's range of
-/// depth. Such a surface may be composited in the wrong order, because all slices of the group are placed at
-/// the group's mean depth.
+/// depth. Such a surface may be composited in the wrong order, because compositing places whole groups, not
+/// their slices, at their depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
@@ -26,7 +26,7 @@ struct PassedBox {
 /// convolution. Returns the reason, or an empty string if convolution is better. Possible reasons are:
 /// - The group's parallax exceeds `most_parallax_px`.
 /// - Another object lies in the group's range of depth along its path.
-/// - Parts of the group uncover each other (torn_share).
+/// - Parts of the group move differently and leave gaps or overlap (torn_share).
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);

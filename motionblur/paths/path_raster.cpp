@@ -24,7 +24,7 @@ struct Piece {
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Interpolates linearly between value_from and value_to. The result is exactly 1 if both are 1.
+    /// Interpolates linearly between value_from and value_to. The result is exact if both are 1, the default.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }

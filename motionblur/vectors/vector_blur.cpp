@@ -29,8 +29,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image),
-/// in px. The overlap is so small that it reaches no sample position in the neighbouring pixel.
+/// exact_px is the largest error of a reprojected position, in px. overlap_px is the overlap of neighbouring
+/// patches (planar parts of the image), in px. It is below the smallest distance between a sample position
+/// and the border of its pixel, so a patch does not overlap samples of neighbouring pixels.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 

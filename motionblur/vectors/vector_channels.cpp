@@ -21,8 +21,8 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
                                 // (Z, W) points from the position in the next frame to that in this frame,
-                                // and W points up. The sign of Z is therefore reversed to get the motion to
-                                // the right. W is reversed twice for the motion down, so it keeps its sign.
+                                // which is against the motion. The sign of Z is therefore reversed. W keeps
+                                // its sign, because it also points up instead of down.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -44,7 +44,8 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // Order of preference: the part that contains the colours, parts of the same stereo view, all others.
+        // Prefers the part that contains the colours, then parts of the same stereo view as the colours, then
+        // other parts.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

@@ -90,8 +90,8 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and of their motion vectors. Unless the user selects a layer, these
-    /// are the file's first colours, or, if those have no motion vectors, the first colours that do.
+    /// Finds the channels of the colours and of their motion vectors. If the user selects no layer and the
+    /// file's first colours have no motion vectors, the first colours with motion vectors are used.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;

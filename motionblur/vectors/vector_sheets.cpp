@@ -59,7 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share them.
+    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share these
+    /// cells.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -113,7 +114,7 @@ class SheetMaker {
             }
         }
         // Finds the sheets. A sheet is a connected set of pixels that all move or are all static, and whose
-        // depths are close to the depth of the first pixel.
+        // depths are close to the depth of the sheet's first pixel in row order.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
