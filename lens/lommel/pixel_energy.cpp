@@ -28,8 +28,8 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // A panel of the quadrature spans at most 6 units of the optical radius v, so that its 16 nodes resolve
-    // the fringes. There are at most 64 panels. A border that needs more crosses over 100 fringes, whose
-    // contributions nearly cancel.
+    // the fringes. The limit of 64 panels takes effect only where a border crosses over 100 fringes, which
+    // need not be resolved.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -44,8 +44,9 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which diffraction fringes are averaged. For fringes about as wide as the
-/// distance between two quadrature nodes, 70 % of this distance gives the smallest error.
+/// Returns the width, in px, below which diffraction fringes are averaged out: 70 % of the distance between
+/// quadrature nodes, which resolve wider fringes. For fringes of about this width, 70 % gives the smallest
+/// error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
