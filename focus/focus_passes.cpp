@@ -199,7 +199,8 @@ double add_focus_passes(const ForeignPicture& picture, const FocusSettings& sett
         s.drawn = {c.x, c.x + c.width, c.y, c.y + c.height};
     }
     const std::vector<Behind> behind =
-        pinhole ? std::vector<Behind>() : behind_fill(picture, geometry, s.aberration_px());
+        pinhole ? std::vector<Behind>()
+                : behind_fill(picture, around_aperture(geometry, s.aperture), s.aberration_px());
     std::size_t beyond_ranks = 0;
     if (passes.sides || passes.cryptomatte) {
         s.shares = true;

@@ -92,6 +92,14 @@ Guessed guessed(std::span<const Behind> behind) {
     return out;
 }
 
+/// Returns whether empty space lies behind the samples of a stored pixel, so that blur may show it. `behind`
+/// is the estimate behind this pixel.
+bool ends_in_nothing(const ForeignPicture& picture, std::size_t pixel, const Behind& behind) {
+    return !behind.known && !behind.fills &&
+           transmittance_behind(picture.stack_of(pixel), picture.is_nothing_behind(pixel)) >
+               opaque_transmittance;
+}
+
 std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const ForeignPicture& picture) {
     if (guessed.known == 0) return {};
     const double share = static_cast<double>(guessed.known) / static_cast<double>(picture.offsets.size() - 1);
@@ -114,16 +122,18 @@ class Spread {
           window_(window),
           corners_(known_corners(picture)),
           depths_(depth_range(picture)),
-          levels_(geometry, depths_, settings.spacing, settings.depths) {
+          levels_(geometry, depths_, settings.spacing, settings.depths),
+          reach_(geometry) {
         const double half_diagonal_px = std::hypot(corners_.width(), corners_.height()) / 2.0;
         response_ = view != nullptr
                         ? lens_model(*view, geometry, half_diagonal_px,
                                      1 / depths_.nearest_m.value_or(std::numeric_limits<double>::infinity()))
                         : std::shared_ptr<const ResponseModel>(response_model(
                               settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
+        if (has_points(settings.impulse)) reach_ = around_aperture(geometry, read_aperture(settings.impulse));
         if (method_ == FocusMethod::layers) {
-            behind_.emplace(picture, geometry, std::abs(response_->spherical_px()));
-            border_.emplace(picture, geometry, std::abs(response_->spherical_px()));
+            behind_.emplace(picture, reach_, std::abs(response_->spherical_px()));
+            border_.emplace(picture, reach_, std::abs(response_->spherical_px()));
         } else {
             nothing_ = nothing_in_reach(picture, geometry, window, std::abs(response_->spherical_px()));
         }
@@ -178,13 +188,15 @@ class Spread {
                         stack = continued;
                     }
                     const Behind* behind = pixel && behind_ ? &behind_row[*pixel % width] : nullptr;
+                    const double open =
+                        transmittance_behind(stack, pixel && picture_.is_nothing_behind(*pixel));
                     // Empty space may be visible behind a translucent surface.
-                    if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
-                        transmittance_behind(stack) > opaque_transmittance)
+                    if (behind != nullptr && picture_.stores(x, y) &&
+                        ends_in_nothing(picture_, *pixel, *behind))
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate what lies behind a translucent sample. The sample gets the
-                    // weight of an opaque one, or the division by the sum of weights would make it opaque.
-                    lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
+                    // `scatter` does not estimate what lies behind a translucent sample. The sample therefore
+                    // counts as filling its pixel.
+                    lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
             }
@@ -256,6 +268,7 @@ class Spread {
     RasterWindow window_, corners_;
     DepthRange depths_;
     DepthLevels levels_;
+    FocusGeometry reach_;  ///< around_aperture
     std::shared_ptr<const ResponseModel> response_;
     std::optional<BehindSearch> behind_;     ///< for `layers`
     std::optional<BorderExtension> border_;  ///< for `layers`
@@ -311,9 +324,12 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         s.drawn = {window.x_begin + crop->x, window.x_begin + crop->x + crop->width, window.y_begin + crop->y,
                    window.y_begin + crop->y + crop->height};
     }
-    const std::vector<Behind> behind = behind_fill(picture, geometry, s.aberration_px());
+    const std::vector<Behind> behind =
+        behind_fill(picture, around_aperture(geometry, s.aperture), s.aberration_px());
     StackField field = stack_field(picture, behind, s);
-    const Guessed of_picture = guessed(behind);
+    Guessed of_picture = guessed(behind);
+    for (std::size_t i = 0; i < behind.size() && !of_picture.is_see_through; ++i)
+        of_picture.is_see_through = ends_in_nothing(picture, i, behind[i]);
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
     // Gaps in the crop are filled from the pixels around them, which may lie outside the crop. If there are
     // gaps, the whole image is therefore drawn.

@@ -183,13 +183,16 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
            std::abs(image.spherical_px) * farthest * farthest * farthest;
 }
 
+double rim_of(const Aperture& aperture) {
+    const dvec2 half = aperture.half_extent();
+    return aperture.picture() ? aperture.farthest() : std::max(half.x, half.y);
+}
+
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
     // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Aperture::farthest
-    // equals the largest rho of aperture images, but is slightly larger for other shapes.
-    const dvec2 half = aperture.half_extent();
-    const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
-                 square = rim * rim;
+    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
+    // images, Aperture::farthest is slightly too large for it.
+    const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
     // Light through the rim lands farthest, unless |R rho + S rho^3| has a local maximum inside the rim,
     // where its derivative R + 3 S rho^2 is 0.

@@ -39,10 +39,14 @@ inline constexpr double smallest_response_px = 1e-4;
 /// light.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns the largest distance, in px, between the centre of a response and its light. Light through the
-/// lens centre lands on this centre. `radius_px` is the signed radius of the circle of confusion.
-/// `spherical_px` is the spherical aberration as in ApertureImage. The result is exact, even if aberration
-/// and defocus partly cancel.
+/// Returns the distance of the aperture's farthest point from the centre of the lens, in lens radii. Except
+/// for aperture images, cats_eye (mechanical vignetting) does not reduce it.
+[[nodiscard]] double rim_of(const Aperture& aperture);
+
+/// Returns the largest distance, in px, between the geometric image of a scene point and the light of this
+/// point. `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is the spherical
+/// aberration as in ApertureImage. The result is exact, whereas largest_reach_px is too large where the
+/// aberration counteracts the defocus.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to

@@ -9,6 +9,7 @@
 #include "core/memory.h"
 #include "core/threads.h"
 #include "focus/responses/depth_levels.h"
+#include "lens/aperture_response.h"
 
 namespace postlens {
 namespace {
@@ -37,8 +38,14 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// Each pixel has a stack of samples, from front to back. The search compares only the last (farthest) sample
-/// of each pixel. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
+FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture) {
+    FocusGeometry out = geometry;
+    out.aperture_radius_m *= rim_of(aperture);
+    return out;
+}
+
+/// Each pixel has a stack of samples, from front to back. The search compares only the last samples of
+/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -64,8 +71,9 @@ class BehindSearch::Impl {
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
-                opaque_[i] = left <= opaque_transmittance ? 1 : 0;
-                const Radii last = stack.empty() ? Radii() : radii_px(stack.back());
+                const bool ends = p_.is_nothing_behind(i);
+                opaque_[i] = left <= opaque_transmittance && !ends ? 1 : 0;
+                const Radii last = stack.empty() || ends ? Radii() : radii_px(stack.back());
                 set_last(i, last);
                 if (std::isfinite(last.blur)) widest_px[y] = std::max(widest_px[y], std::abs(last.blur));
             }
@@ -98,7 +106,8 @@ class BehindSearch::Impl {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                if (last.is_nothing() || transmittance_behind(p_.stack_of(i)) <= opaque_transmittance)
+                if (last.is_nothing() ||
+                    transmittance_behind(p_.stack_of(i), p_.is_nothing_behind(i)) <= opaque_transmittance)
                     continue;
                 fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
                     return sees_farther(x, static_cast<int>(y), d, last);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "focus/responses/node_response.h"
+#include "lens/aperture.h"
 #include "lens/focus_geometry.h"
 #include "pictures/foreign/foreign_picture.h"
 
@@ -20,8 +21,12 @@ namespace postlens {
             std::max(p.height, p.y_end)};
 }
 
-/// Estimate of the surface behind an opaque pixel. `known` is false if blur cannot reveal a farther surface
-/// at this pixel, because none is near enough.
+/// Returns the geometry of the round lens that just contains an aperture. The distance up to which blur
+/// reveals surfaces follows from it: a stretched aperture spreads light farther than a CoC radius.
+[[nodiscard]] FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture);
+
+/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is so near that
+/// blur can reveal it at this pixel.
 struct Behind {
     float inverse_z = 0, spread_inverse_z = 0;  ///< same meaning as in StackSample
     float r = 0, g = 0, b = 0;                  ///< premultiplied

@@ -53,9 +53,9 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
                 out.push_back(x >= 0 && x < p.width && y >= 0 && y < p.height ? 1 : 0);
                 continue;
             }
-            const double left = transmittance_behind(p.stack(x, y));
             const std::size_t k = p.pixel_at(x, y);
-            out.push_back(left > opaque_transmittance ||
+            out.push_back(transmittance_behind(p.stack_of(k), p.is_nothing_behind(k)) >
+                                      opaque_transmittance ||
                                   (!behind.empty() && behind[k].known && behind[k].alpha < 1)
                               ? 1
                               : 0);
@@ -116,16 +116,18 @@ class Band {
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const std::size_t k = in_window(i);
             const auto views = static_cast<float>(s_.views);
-            for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // The lens blocks the light of some views (vignetting). They count as black in the mean colour.
-            // Alpha is coverage, which vignetting does not change, so its mean excludes them.
+            for (std::size_t c = 0; c < 3; ++c)
+                out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
+            // A view whose light the lens blocks (vignetting) contributes black. Colours are therefore means
+            // over all views. Alpha is coverage, so it is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
-            out.image.alpha[k] = passed > 0 ? sums_[i].rgba[3] / passed : 1;
+            const auto alpha = static_cast<float>(sums_[i].rgba[3]);
+            out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
             if (!shares_.empty() && passed > 0) {
                 for (ObjectShare& o : shares_[i]) o.share /= passed;
                 out.shares[k] = std::move(shares_[i]);
             }
-            const float covered = passed > 0 ? (sums_[i].rgba[3] + sums_[i].held_out) / passed : 1;
+            const float covered = passed > 0 ? (alpha + sums_[i].held_out) / passed : 1;
             out.unseen[k] = passed > 0 && nothing_[k] == 0 ? sums_[i].unseen / passed : 0;
             out.covered[k] = nothing_[k] == 0 ? covered : std::max(covered, 1.0F);
         }
@@ -144,9 +146,9 @@ class Band {
         }
     };
     struct Sum {
-        std::array<float, 4> rgba{};
-        float unseen = 0;    ///< number of views that see past everything in the image
-        float held_out = 0;  ///< sum of the alphas of holdouts
+        std::array<double, 4> rgba{};  ///< a sum of floats may exceed the largest float
+        float unseen = 0;              ///< number of views that see past everything in the image
+        float held_out = 0;            ///< sum of the alphas of holdouts
     };
     struct Hit {
         std::uint32_t at;
@@ -236,10 +238,10 @@ class Band {
             const StackSample& s = facets_.facet(h.depth.number).sample;
             Sum& sum = sums_[h.at];
             if (!s.holdout) {
-                sum.rgba[0] += s.r;
-                sum.rgba[1] += s.g;
-                sum.rgba[2] += s.b;
-                sum.rgba[3] += s.alpha;
+                sum.rgba[0] += static_cast<double>(s.r);
+                sum.rgba[1] += static_cast<double>(s.g);
+                sum.rgba[2] += static_cast<double>(s.b);
+                sum.rgba[3] += static_cast<double>(s.alpha);
                 if (!shares_.empty()) add_share(shares_[h.at], s);
             } else {
                 sum.held_out += s.alpha;
@@ -298,7 +300,8 @@ class Band {
 StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                        const StackFieldSettings& settings) {
     const std::vector<View> views = views_of(settings);
-    const BorderExtension border(picture, settings.geometry, settings.aberration_px());
+    const BorderExtension border(picture, around_aperture(settings.geometry, settings.aperture),
+                                 settings.aberration_px());
     const Facets facets(picture, behind, border, settings.geometry);
     const std::vector<std::uint8_t> nothing = nothing_behind(picture, behind, settings.window);
     StackField out;

@@ -70,8 +70,8 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     left_ *= 1 - alpha;
 }
 
-void StackLights::add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind,
-                      StackValue value, std::vector<PixelLight>& out) {
+void StackLights::add(int x, std::span<const StackSample> stack, bool fills, double open,
+                      const Behind* behind, StackValue value, std::vector<PixelLight>& out) {
     left_ = 1;
     met_.clear();
     sums_.clear();
@@ -100,9 +100,8 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                         weight, true);
         }
         if (weight < 1 - least_share) add_surface(nothing, {}, {}, 1 - weight, true);
-    } else if (!fills) {
-        const double through = transmittance_behind(stack);
-        if (through > opaque_transmittance) add_surface(nothing, {}, {}, through, true);
+    } else if (!fills && open > opaque_transmittance) {
+        add_surface(nothing, {}, {}, open, true);
     }
     for (const Sum& s : sums_) {
         if (s.surface == nothing && !with_nothing_) continue;

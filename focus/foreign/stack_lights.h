@@ -33,11 +33,11 @@ class StackLights {
     /// Converts the stack of samples of a pixel in column `x` and appends the light to `out`. `behind` is the
     /// estimated surface behind the stack, or null.
     ///
-    /// If `fills` is set, the last sample gets the weight of an opaque one, even if it is translucent. This
-    /// is correct if only empty space lies behind the pixel and its neighbours, because the premultiplied
-    /// colour includes its black.
-    void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
-             std::vector<PixelLight>& out);
+    /// `fills` states that the last sample fills the whole pixel although it is translucent. Its weight is
+    /// then that of an opaque sample. This is correct if there is only empty space behind the pixel and its
+    /// neighbours. `open` is the stack's transmittance_behind.
+    void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
+             StackValue value, std::vector<PixelLight>& out);
 
     /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples with
     /// nearly the same radius belong to one surface.

@@ -18,7 +18,7 @@ std::uint32_t surface_id(float value, bool whole) {
     return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
 }
 
-double transmittance_behind(std::span<const StackSample> stack) {
+double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind) {
     double left = 1;
     bool opaque = false;
     for (const StackSample& s : stack) {
@@ -26,7 +26,7 @@ double transmittance_behind(std::span<const StackSample> stack) {
         left = opaque ? through : left * through;
         opaque = through <= opaque_transmittance;
     }
-    return left;
+    return is_nothing_behind && left <= opaque_transmittance ? 1 : left;
 }
 
 namespace {
@@ -74,11 +74,14 @@ Image ForeignPicture::flattened() const {
 }
 
 bool ForeignPicture::is_opaque() const {
-    std::atomic<bool> opaque = true;
-    parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        for (int x = 0; x < width && opaque; ++x) {
-            if (!stores(x, y) || composited(stack(x, y)).alpha < 1) opaque = false;
+    std::atomic<bool> opaque = x_begin <= 0 && x_end >= width && y_begin <= 0 && y_end >= height;
+    const auto columns = static_cast<std::size_t>(std::max(0, x_end - x_begin));
+    parallel_for(static_cast<std::size_t>(std::max(0, y_end - y_begin)), [&](std::size_t row) {
+        for (std::size_t i = row * columns; i < (row + 1) * columns && opaque; ++i) {
+            const auto samples_here = stack_of(i);
+            if (composited(samples_here).alpha < 1 || std::any_of(samples_here.begin(), samples_here.end(),
+                                                                  [](const auto& s) { return s.holdout; }))
+                opaque = false;
         }
     });
     return opaque;

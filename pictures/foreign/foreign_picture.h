@@ -34,10 +34,11 @@ struct StackSample {
 /// rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
-/// is opaque. If the last sample is opaque, returns at most opaque_transmittance, because nothing is known
-/// behind it.
-[[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
+/// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
+/// no sample is opaque. A stack that ends with an opaque sample yields at most opaque_transmittance, because
+/// nothing is known behind that sample. If `is_nothing_behind` is set, empty space is known to be there, and
+/// such a stack yields 1.
+[[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id. The id is the bits of `value`, which are those of an integer
 /// if `whole` is true, and otherwise those of a float. The floats 0, -0 and NaN become 0, which means that
@@ -78,6 +79,9 @@ struct ForeignPicture {
     /// the surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
+    /// 1 for each stored pixel behind whose samples an image of `lay_behind` shows empty space, else 0. Empty
+    /// if there is no such pixel.
+    std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
     ForeignChannels channels;
@@ -98,6 +102,10 @@ struct ForeignPicture {
     [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
         return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
+    /// Returns whether a stored pixel has empty space behind its samples, see `ends_in_nothing`.
+    [[nodiscard]] bool is_nothing_behind(std::size_t pixel) const {
+        return !ends_in_nothing.empty() && ends_in_nothing[pixel] != 0;
+    }
     /// Returns the sample of a stored pixel at which the composited alpha reaches one half, or null if it
     /// stays below one half.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
@@ -114,7 +122,9 @@ struct ForeignPicture {
     /// Returns the image of the display window, with the samples of each pixel composited. `alpha` is empty
     /// if all pixels are opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Returns true if all pixels of the display window are opaque.
+    /// Returns true if blur cannot make a pixel of the display window translucent, unless it shows what lies
+    /// behind opaque samples: all pixels are opaque, including those beyond the window, and no sample is a
+    /// holdout.
     [[nodiscard]] bool is_opaque() const;
     /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
     /// infinity if it stays below one half. Throws Error(wrong_arguments) outside the stored pixels.

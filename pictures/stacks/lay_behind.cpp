@@ -55,6 +55,11 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
+/// Returns true if light passes all samples of a stack.
+bool is_open(std::span<const StackSample> stack) {
+    return std::isinf(last_opaque(stack));
+}
+
 /// Returns true if a stack has a sample of the same surface as `s`. Such a sample is at the same depth and,
 /// if both samples have ids, has the same id.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
@@ -105,12 +110,17 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     const auto pixels =
         static_cast<std::size_t>(out.x_end - out.x_begin) * static_cast<std::size_t>(out.y_end - out.y_begin);
     require_memory((front.samples.size() + back.samples.size()) * sizeof(StackSample) +
-                       (pixels + 1) * sizeof(std::uint64_t),
+                       (pixels + 1) * (sizeof(std::uint64_t) + 1),
                    "images behind each other");
     out.samples.reserve(front.samples.size() + back.samples.size());
     out.offsets.reserve(pixels + 1);
+    out.ends_in_nothing.reserve(pixels);
     LaidBehind found;
     std::size_t nearer = 0;
+    // Pixels of the raster that an image does not store are empty.
+    const auto is_known = [](const ForeignPicture& p, int x, int y) {
+        return p.stores(x, y) || (x >= 0 && x < p.width && y >= 0 && y < p.height);
+    };
     const auto stack_of = [](const ForeignPicture& p, int x, int y) {
         return p.stores(x, y) ? p.stack(x, y) : std::span<const StackSample>();
     };
@@ -131,6 +141,11 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
                 }
             }
             nearer += is_nearer ? 1 : 0;
+            const bool adds = out.samples.size() > static_cast<std::size_t>(begin) + before.size();
+            const bool was_nothing =
+                !adds && front.stores(x, y) && front.is_nothing_behind(front.pixel_at(x, y));
+            const bool is_nothing = std::isfinite(last) && is_known(back, x, y) && is_open(more);
+            out.ends_in_nothing.push_back(was_nothing || is_nothing ? 1 : 0);
             std::inplace_merge(
                 out.samples.begin() + begin,
                 out.samples.begin() + begin + static_cast<std::ptrdiff_t>(before.size()), out.samples.end(),
@@ -150,6 +165,7 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     front.y_end = out.y_end;
     front.samples = std::move(out.samples);
     front.offsets = std::move(out.offsets);
+    front.ends_in_nothing = std::move(out.ends_in_nothing);
     return found;
 }
 

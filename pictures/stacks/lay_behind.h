@@ -21,8 +21,9 @@ struct LaidBehind {
 ///
 /// A sample of `back` is added only if it is behind the last opaque sample of `front`, and if `front` has no
 /// sample at the same depth. An opaque `front` therefore looks the same as before when it is composited. The
-/// samples of a pixel are sorted by depth. The names in the Cryptomatte of `back` are added to those of
-/// `front`.
+/// samples of a pixel are sorted by depth. If `front` is opaque at a pixel where `back` transmits light, the
+/// result states that empty space lies behind the samples (ForeignPicture::ends_in_nothing). The names in the
+/// Cryptomatte of `back` are added to those of `front`.
 ///
 /// In some pixels, a sample of `back` may be omitted because it is nearer than the last opaque sample of
 /// `front`. `nearer_share` is the fraction of pixels in which it is nearer by more than a twentieth of its

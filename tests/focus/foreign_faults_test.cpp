@@ -1,8 +1,12 @@
 // Faults that depth-of-field filters of other programs are known for, on pictures that bring them about.
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <initializer_list>
+#include <limits>
 
 #include "focus/foreign_focus.h"
+#include "pictures/stacks/lay_behind.h"
 #include "tests/focus/level_radius.h"
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
@@ -128,6 +132,94 @@ TEST(ForeignFaults, ATransparentBackgroundStaysTransparent) {
                 ASSERT_NEAR(alpha(r.image, x, 4), x < 30 ? 0 : 1, 1e-6) << x;
             }
         }
+    }
+}
+
+TEST(ForeignFaults, WhatEndsBehindABlurredBarIsNotContinued) {
+    // A blurred bar over nothing. A second image shows a card in focus, which ends behind the bar. Below the
+    // card, the edge of the bar has the same alpha in all rows.
+    constexpr int card_end = 12;
+    const Bench bench{.width = 64, .height = 32, .margin_px = 12};
+    const auto card = [&](int, int y) {
+        return y < card_end ? Stack{{bench.inverse_z(0), 0, 1, 0}} : Stack{};
+    };
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        ForeignPicture p = bench.picture([&](int x, int y) {
+            return x < 32 ? Stack{{bench.inverse_z(-8), 1, 0, 0}} : card(x, y);
+        });
+        lay_behind(p, bench.picture(card), "back.exr");
+        const Image image = bench.focus(p, method).image;
+        for (int x = 0; x < bench.width; ++x) {
+            for (int y = card_end; y < 24; ++y) {
+                ASSERT_NEAR(value(image, x, y, 1), 0, 1e-6) << x << "," << y;
+                ASSERT_NEAR(alpha(image, x, y), alpha(image, x, 24), 1e-6) << x << "," << y;
+            }
+            ASSERT_NEAR(alpha(image, x, card_end - 1), 1, 1e-6) << x;
+        }
+        EXPECT_NEAR(alpha(image, 32, 24), 0.5, 0.1);
+    }
+}
+
+TEST(ForeignFaults, BlurredInTransparencyHasAlpha) {
+    // All pixels of the raster are opaque, but a border of empty pixels, a holdout behind a blurred bar or
+    // the empty space behind it shows at blurred edges. The picture is white, so colour and alpha are equal.
+    const Bench bench{.width = 40, .height = 12, .margin_px = 12};
+    const StackSample bar{bench.inverse_z(-6), 1, 1, 1}, wall{bench.inverse_z(6), 1, 1, 1};
+    StackSample held = wall;
+    held.holdout = true;
+    held.r = held.g = held.b = 0;
+    const ForeignPicture border = bench.picture(
+        [&](int x, int y) { return x >= 0 && x < 40 && y >= 0 && y < 12 ? Stack{wall} : Stack{}; });
+    const ForeignPicture holdout = bench.picture([&](int x, int) {
+        return x < 20 ? Stack{bar, held} : Stack{wall};
+    });
+    const auto bar_and_wall = [&](int x, int) { return Stack{x < 20 ? bar : wall}; };
+    ForeignPicture open = bench.picture(bar_and_wall);
+    lay_behind(open, bench.picture([&](int x, int) { return x < 20 ? Stack{} : Stack{wall}; }), "back.exr");
+    for (const FocusMethod method : methods) {
+        for (const ForeignPicture* p :
+             std::initializer_list<const ForeignPicture*>{&border, &holdout, &open}) {
+            if (method == FocusMethod::scatter && p != &border) continue;  // it shows no hidden surfaces
+            const Image image = bench.focus(*p, method).image;
+            ASSERT_FALSE(image.alpha.empty());
+            float least = 1;
+            for (int x = 0; x < 40; ++x) {
+                ASSERT_NEAR(value(image, x, 6, 0), alpha(image, x, 6), 1e-5) << x;
+                least = std::min(least, alpha(image, x, 6));
+            }
+            EXPECT_LT(least, 0.7);
+        }
+    }
+}
+
+TEST(ForeignFaults, AWideApertureSeesAsFarBehindAnEdgeAsItIsWide) {
+    // A near bar in front of a wall in focus. The aperture is three times as wide as tall. Across the bar's
+    // edge, the edge is blurred as by a round aperture of that width.
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        Bench wide{.width = 96, .height = 8, .margin_px = 24};
+        wide.settings.impulse.squeeze = 1.0 / 3;
+        wide.settings.views = 1024;
+        const ForeignPicture p = wide.picture([&](int x, int) {
+            return x < 48 ? Stack{{wide.inverse_z(-5), 1, 0, 0}} : Stack{{wide.inverse_z(0), 0, 1, 0}};
+        });
+        const Image image = wide.focus(p, method).image;
+        ASSERT_TRUE(image.alpha.empty());
+        for (int x = 0; x < 96; ++x) {
+            const double bar = 1 - edge_response((x + 0.5 - 48) / 15);
+            ASSERT_NEAR(value(image, x, 4, 0), bar, 0.02) << x;
+            ASSERT_NEAR(value(image, x, 4, 1), 1 - bar, 0.02) << x;
+        }
+    }
+}
+
+TEST(ForeignFaults, TheLargestFloatsStayFinite) {
+    const float largest = std::numeric_limits<float>::max();
+    const Bench bench{.width = 16, .height = 4};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return Stack{{bench.inverse_z(3), largest, -largest, x < 8 ? largest : 0.0F}};
+    });
+    for (const FocusMethod method : methods) {
+        for (const float v : bench.focus(p, method).image.rgb) ASSERT_TRUE(std::isfinite(v));
     }
 }
 

@@ -78,6 +78,33 @@ TEST(LayBehind, WhatIsNearerThanTheFrontIsLeftOutAndCounted) {
     EXPECT_EQ(front.stack(0, 0).size(), 1U);
 }
 
+TEST(LayBehind, WhereTheBackShowsNothingThereIsNothing) {
+    const Bench bench{.width = 6, .height = 1};
+    const auto card = [](int x, int) { return x < 4 ? Stack{sample(1, 0.9F)} : Stack{}; };
+    // The first back image has a surface in one column and shows the card itself in another. The second one
+    // ends in the surface of the first, or shows a veil.
+    ForeignPicture front = bench.picture(card);
+    EXPECT_FALSE(front.is_nothing_behind(0));
+    lay_behind(front, bench.picture([&](int x, int) {
+        return x == 0 ? Stack{sample(3, 0.5F)} : x == 1 ? Stack{sample(1, 0.9F)} : Stack{};
+    }),
+               "b");
+    const auto ends = [&] {
+        std::vector<bool> out;
+        for (std::size_t x = 0; x < 6; ++x) out.push_back(front.is_nothing_behind(x));
+        return out;
+    };
+    EXPECT_EQ(ends(), (std::vector<bool>{false, false, true, true, false, false}));
+    EXPECT_EQ(transmittance_behind(front.stack_of(2), front.is_nothing_behind(2)), 1);
+    EXPECT_EQ(transmittance_behind(front.stack_of(0), front.is_nothing_behind(0)), 0);
+    lay_behind(front, bench.picture([&](int x, int) {
+        return x == 2 ? Stack{sample(4, 0.5F)} : x == 3 ? Stack{sample(4, 0.25F, 0.25F)} : Stack{};
+    }),
+               "c");
+    EXPECT_EQ(ends(), (std::vector<bool>{true, true, false, true, false, false}));
+    EXPECT_EQ(transmittance_behind(front.stack_of(3), front.is_nothing_behind(3)), 0.75);
+}
+
 TEST(LayBehind, ThreeImagesLieInTheirOrder) {
     const Bench bench{.width = 4, .height = 1};
     ForeignPicture front = bench.picture([](int, int) { return Stack{sample(1, 0.9F)}; });
