@@ -10,10 +10,6 @@
 namespace postlens {
 namespace {
 
-bool has_word(PassWords words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 bool contains(const std::vector<std::string>& sorted, const std::vector<std::string>& some) {
     return std::includes(sorted.begin(), sorted.end(), some.begin(), some.end());
 }
@@ -38,6 +34,12 @@ bool is_number_of_part(const std::string& word) {
 }
 
 }  // namespace
+
+bool has_word(PassWords words, std::string_view word) {
+    return std::any_of(words.begin(), words.end(), [&](std::string_view w) {
+        return w.starts_with('*') ? word.ends_with(w.substr(1)) : word == w;
+    });
+}
 
 std::vector<std::string> words_of(std::string_view name) {
     std::vector<std::string> out;
@@ -104,6 +106,9 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))
         return GroupCandidate{group, name, 3};
     if (group.has_pass && last == "r") return GroupCandidate{group, name, 4};
+    // Mitsuba names the depth AOV.T. If there is also a channel S, T is a texture coordinate.
+    if (letter == "T" && !before.empty() && !p.has(before + "S") && !names_vectors(group.layer))
+        return GroupCandidate{group, name, 5};
     return {};
 }
 

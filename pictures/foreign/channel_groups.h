@@ -18,11 +18,22 @@ using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
                                                  "color", "colour", "image",    "ci"};
-inline constexpr std::string_view depth_words[]{"depth", "z",  "zdepth",     "depthz",    "zbuffer",
-                                                "zbuf",  "pz", "vrayzdepth", "worlddepth"};
+inline constexpr std::string_view depth_words[]{"depth",
+                                                "z",
+                                                "zdepth",
+                                                "depthz",
+                                                "zbuffer",
+                                                "zbuf",
+                                                "pz",
+                                                "*zdepth",
+                                                "*worlddepth",
+                                                "*scenedepth",
+                                                "*scenedepthworldunits",
+                                                "*cameradepth"};
 inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
-inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
+inline constexpr std::string_view vector_words[]{"vector",        "vectors",        "forward",  "motion",
+                                                 "*motionvector", "*motionvectors", "*velocity"};
 
 /// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
 ///
@@ -61,8 +72,10 @@ struct GroupMatch {
 /// motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns the channel `name` as a candidate if it is named like a depth (for example Z), and otherwise
-/// empty.
+/// Returns true if a word is one of the words of a pass.
+[[nodiscard]] bool has_word(PassWords words, std::string_view word);
+
+/// Returns the channel as a candidate for the depth if its name is that of a depth, and otherwise empty.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

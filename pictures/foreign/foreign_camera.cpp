@@ -36,10 +36,31 @@ glm::dmat4 transposed(const Matrix44& m) {
     return out;
 }
 
-std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
+/// Returns the matrix that projects points in camera space to NDC, for column vectors. glm stores elements as
+/// projection[column][row]. Returns empty if the matrices cannot be used.
+std::optional<glm::dmat4> projection_of(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
+    const glm::dmat4 camera = transposed(world_to_camera);
+    if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
+    const glm::dmat4 out = transposed(world_to_ndc) * glm::inverse(camera);
+    return usable(std::abs(out[0][0])) ? std::optional(out) : std::nullopt;
+}
+
+/// Returns whether the depth of a point does not change its homogeneous coordinate w, as in a parallel
+/// projection.
+bool is_parallel(const glm::dmat4& projection) {
+    return !(std::abs(projection[2][3]) > 1e-9);
+}
+
+std::optional<double> view_of(const ForeignFile& file, std::size_t part, std::vector<std::string>& assumed) {
     const auto camera = file.matrix(part, "worldToCamera"), ndc = file.matrix(part, "worldToNDC");
     if (camera && ndc) {
         if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
+        const auto projection = projection_of(*camera, *ndc);
+        if (projection && is_parallel(*projection) && usable(std::abs((*projection)[3][3]))) {
+            assumed.emplace_back(
+                "the file's camera is orthographic, which has no lens: a perspective view is assumed "
+                "(--film-distance)");
+        }
     }
     // The OpenEXR library writes a screenWindowWidth of 1 by default, so a width of 1 means that it is not
     // known.
@@ -51,16 +72,12 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
 }  // namespace
 
 std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
-    const glm::dmat4 camera = transposed(world_to_camera);
-    if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
-    // For column vectors, ndc = projection * (point in camera space). glm stores elements as
-    // projection[column][row].
-    const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
-    const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
-    if (!usable(x) || !(w > 1e-9)) return std::nullopt;
-    // If NDC runs from 0 to 1, the projection adds 0.5 w to x, because the centre of the image is at x = 0.5.
-    // If NDC runs from -1 to 1, the projection adds nothing.
-    const double middle = std::abs(projection[2][0]) / w;
+    const auto projection = projection_of(world_to_camera, world_to_ndc);
+    if (!projection || is_parallel(*projection)) return std::nullopt;
+    const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
+    // If NDC runs from 0 to 1, the centre of the image is at x = 0.5, and the projection adds 0.5 w to x. If
+    // NDC runs from -1 to 1, it adds nothing.
+    const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;
     return usable(tangent) ? std::optional<double>(tangent) : std::nullopt;
@@ -87,7 +104,7 @@ ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const Fo
         out.film_distance_mm = *asked;
     } else if (const auto pinhole = attribute(file, part, "pinholeFocalLength")) {
         out.film_distance_mm = *pinhole;
-    } else if (const auto tangent = view_of(file, part)) {
+    } else if (const auto tangent = view_of(file, part, out.assumed)) {
         out.film_distance_mm = out.film_width_mm / (2 * *tangent);
     } else if (nominal) {
         out.film_distance_mm = *nominal;
@@ -97,6 +114,14 @@ ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const Fo
     } else {
         out.film_distance_from_focal_length = true;
         assume("the film's distance", out.film_distance_mm, " mm", "--film-distance");
+    }
+    // The centre is stated in the unit of screenWindowWidth, whatever that is. y points upwards.
+    const auto centre = file.pair(part, "screenWindowCenter");
+    const auto window = attribute(file, part, "screenWindowWidth");
+    if (centre && window) {
+        const double unit = out.film_width_mm / out.film_distance_mm / *window;
+        const double x = (*centre)[0] * unit, y = -(*centre)[1] * unit;
+        if (std::isfinite(x) && std::isfinite(y)) out.centre_x = x, out.centre_y = y;
     }
     out.focal_length_mm = asked_focal.value_or(nominal.value_or(out.film_distance_mm));
     if (const auto asked = checked(choice.metres_per_unit, "--metres-per-unit")) {

@@ -30,8 +30,11 @@ struct ForeignCamera {
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// True if neither the file nor the user states the film distance. The film distance is then the user's
-    /// focal length, or else the default.
+    /// Position of the centre of the display window relative to the optical axis, to the right and down, on a
+    /// film at a distance of 1. It differs from 0 if the lens is shifted.
+    double centre_x = 0, centre_y = 0;
+    /// True if neither the file nor the user states the film distance. The film distance is then the focal
+    /// length that the user states, or the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
     /// One text for each value that is assumed because neither the file nor the user states it.

@@ -44,8 +44,9 @@ bool holds_data(const ForeignFile& file, std::size_t part, const std::string& la
     const bool matte = std::any_of(words.begin(), words.end(), [](const std::string& w) {
         return w.find("crypto") != std::string::npos;
     });
-    return matte || names_vectors(words) ||
-           has_any_word(words, {"depth", "zdepth", "vrayzdepth", "worlddepth", "uv"});
+    return matte || names_vectors(words) || has_any_word(words, {"uv"}) ||
+           std::any_of(words.begin(), words.end(),
+                       [](const std::string& w) { return has_word(depth_words, w); });
 }
 
 /// Returns the priority of a layer as the source of colours. Lower is better.

@@ -25,8 +25,10 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const double pitch = picture.pixel_pitch_mm() / camera.film_distance_mm;
     const std::size_t column = pixel % width, row = pixel / width;
     const double u = (picture.x_begin + static_cast<double>(column) + 0.5 - picture.width / 2.0) * pitch *
-                     picture.pixel_aspect,
-                 v = (picture.y_begin + static_cast<double>(row) + 0.5 - picture.height / 2.0) * pitch;
+                         picture.pixel_aspect +
+                     camera.centre_x,
+                 v = (picture.y_begin + static_cast<double>(row) + 0.5 - picture.height / 2.0) * pitch +
+                     camera.centre_y;
     const bool along_ray = camera.depth_along == DepthAlong::ray;
     return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
 }

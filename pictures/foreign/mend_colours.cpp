@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,7 +15,9 @@ bool finite(const StackSample& s) {
     return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
 }
 
-StackSample mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
+/// Returns the sample with the mean colour of the finite neighbours of the pixel (x, y), which is relative to
+/// the first stored pixel. Returns empty if no neighbour is finite.
+std::optional<StackSample> mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
     const int width = p.x_end - p.x_begin, height = p.y_end - p.y_begin;
     std::array<double, 3> sum{};
     int count = 0;
@@ -28,7 +31,7 @@ StackSample mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
             ++count;
         }
     }
-    if (count == 0) return s;
+    if (count == 0) return std::nullopt;
     s.r = static_cast<float>(sum[0] / count);
     s.g = static_cast<float>(sum[1] / count);
     s.b = static_cast<float>(sum[2] / count);
@@ -37,21 +40,24 @@ StackSample mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
 
 }  // namespace
 
-std::size_t mend_colours(ForeignPicture& picture) {
+MendedColours mend_colours(ForeignPicture& picture) {
+    MendedColours out;
     std::vector<std::pair<std::size_t, StackSample>> mended;
     const int width = picture.x_end - picture.x_begin;
     for (std::size_t i = 0; i + 1 < picture.offsets.size(); ++i) {
         for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k) {
             if (finite(picture.samples[k])) continue;
-            StackSample s = picture.samples[k];
-            s.r = s.g = s.b = 0;
+            StackSample black = picture.samples[k];
+            black.r = black.g = black.b = 0;
+            std::optional<StackSample> mean;
             if (!picture.deep)
-                s = mean_around(picture, s, static_cast<int>(i) % width, static_cast<int>(i) / width);
-            mended.emplace_back(k, s);
+                mean = mean_around(picture, black, static_cast<int>(i) % width, static_cast<int>(i) / width);
+            ++(mean ? out.by_mean : out.by_black);
+            mended.emplace_back(k, mean.value_or(black));
         }
     }
     for (const auto& [k, s] : mended) picture.samples[k] = s;
-    return mended.size();
+    return out;
 }
 
 }  // namespace postlens

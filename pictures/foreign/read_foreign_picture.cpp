@@ -29,6 +29,9 @@ namespace {
 /// intended ratio of a slice's far depth to its near depth. A volume has at most `most_slices` slices.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
+/// If a volume begins at the camera, or nearer than this fraction of its far depth, this fraction is the
+/// first slice. It contains at most a hundredth of the volume's optical depth.
+constexpr double first_slice = 1e-2;
 
 /// Converts the values of the file to one stack of samples per pixel.
 class Reader {
@@ -263,12 +266,12 @@ class Reader {
     /// Adds a sample. A volume is divided into slices of equal length. Its density is constant, so the slices
     /// have equal transmittance.
     void add_volume(const DeepSample& from) {
-        const float z = from.z, z_back = from.z_back;
-        const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};
-        const double ratio = static_cast<double>(z_back) / static_cast<double>(z);  // infinite if z is 0
+        const double z = from.z, z_back = from.z_back;
+        const StackSample s{ForeignDepths::inverse_of(from.z), from.r, from.g, from.b, from.alpha, from.id};
         int slices = 1;
-        if (ratio > slice_ratio && s.alpha < 1) {
-            const double wanted = std::ceil(std::log(ratio) / std::log(slice_ratio));
+        if (z_back > z * slice_ratio && s.alpha < 1) {
+            const double wanted =
+                std::ceil(std::log(z_back / z) / std::log(slice_ratio));  // infinite if z is 0
             slices = static_cast<int>(std::min<double>(most_slices, wanted));
         }
         make_room(static_cast<std::size_t>(slices));
@@ -276,19 +279,34 @@ class Reader {
             add(s);
             return;
         }
-        const double step = 1.0 / slices;
-        const double alpha = -std::expm1(step * std::log1p(-static_cast<double>(s.alpha)));
-        const auto share = static_cast<float>(s.alpha > 0 ? alpha / static_cast<double>(s.alpha) : step);
+        const double first = z_back * first_slice;
+        const bool begins_near = z < first;
+        const double from_z = begins_near ? first : z;
+        const int ratios = begins_near ? slices - 1 : slices;
+        const double ratio = std::pow(z_back / from_z, 1.0 / ratios);
+        double near = z;
         for (int i = 0; i < slices; ++i) {
-            StackSample slice = s;
-            slice.inverse_z = static_cast<float>(
-                1 / (static_cast<double>(z) + (i + 0.5) * step * static_cast<double>(z_back - z)));
-            slice.r *= share;
-            slice.g *= share;
-            slice.b *= share;
-            slice.alpha = static_cast<float>(alpha);
-            add(slice);
+            const double far = i + 1 == slices ? z_back
+                               : begins_near   ? from_z * std::pow(ratio, i)
+                                               : from_z * std::pow(ratio, i + 1);
+            add_slice(s, near, far, (far - near) / (z_back - z));
+            near = far;
         }
+    }
+
+    /// Adds a slice of the volume `s`, from the depth `near` to `far`. `part` is its part of the volume's
+    /// length.
+    void add_slice(const StackSample& s, double near, double far, double part) {
+        const double whole = static_cast<double>(s.alpha);
+        const double alpha = -std::expm1(part * std::log1p(-whole));
+        const auto share = static_cast<float>(whole > 0 ? alpha / whole : part);
+        StackSample slice = s;
+        slice.inverse_z = static_cast<float>(2 / (near + far));
+        slice.r *= share;
+        slice.g *= share;
+        slice.b *= share;
+        slice.alpha = static_cast<float>(alpha);
+        add(slice);
     }
 
     void report() {
@@ -296,12 +314,14 @@ class Reader {
             return std::min(
                 1.0, static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1)));
         };
-        if (bad_colours_ > 0) {
+        for (const auto& [count, instead] :
+             {std::pair(bad_colours_.by_mean, "the mean of those around instead"),
+              {bad_colours_.by_black, "taken as black"}}) {
+            if (count == 0) continue;
             out_.repairs.push_back(
                 {"repaired",
-                 fmt::format("{} with colours that are not finite: {}", counted(bad_colours_, "sample"),
-                             out_.deep ? "taken as black" : "the mean of those around instead"),
-                 share(bad_colours_)});
+                 fmt::format("{} with colours that are not finite: {}", counted(count, "sample"), instead),
+                 share(count)});
         }
         if (bad_alphas_ > 0) {
             out_.repairs.push_back(
@@ -316,7 +336,8 @@ class Reader {
     ForeignDepths depths_;
     std::array<double, 3> luminance_{};
     ForeignPicture out_;
-    std::size_t bad_alphas_ = 0, bad_colours_ = 0;
+    MendedColours bad_colours_;
+    std::size_t bad_alphas_ = 0;
 };
 
 }  // namespace

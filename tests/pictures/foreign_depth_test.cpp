@@ -57,6 +57,41 @@ TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
     EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
 }
 
+TEST_F(ForeignPictureTest, AShiftedWindowMovesTheAxis) {
+    const ForeignCameraChoice camera{
+        .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
+    // The window is 6 px and 2 units wide. Its centre is 1 unit right of the axis and half a unit above it.
+    const ForeignPicture p = read({{rgbz(1, 300), "", "",
+                                    [](Imf::Header& h) {
+                                        h.screenWindowWidth() = 2;
+                                        h.screenWindowCenter() = {1, 0.5F};
+                                    }}},
+                                  {}, camera);
+    const double u = (3 - 2.5) / 6, v = (-1.5 - 1.5) / 6;
+    EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
+}
+
+TEST_F(ForeignPictureTest, DepthsHaveTheNamesThatRenderersGiveThem) {
+    for (const std::string name :
+         {"dd.T", "dd.y.T", "FinalImageWorldDepth.R", "FinalImageMovieRenderQueue_WorldDepth.R",
+          "FinalImage_SceneDepth.R", "SceneDepthWorldUnits.R", "cameraDepth.V", "VRayZDepth.R"}) {
+        Part part{rgbz(1, 2)};
+        part.channels.erase("Z");
+        part.channels[name] = even(4);
+        const ForeignPicture p = read({part});
+        EXPECT_EQ(p.channels.z, name);
+        EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F) << name;
+    }
+    // A coordinate of a texture and the depth of recursion are no depths.
+    for (const std::string name : {"st.T", "rayDepth.R", "T"}) {
+        Part part{rgbz(1, 2)};
+        part.channels.erase("Z");
+        part.channels[name] = even(4);
+        part.channels["st.S"] = even(1);
+        EXPECT_EQ(read({part}).channels.z, "") << name;
+    }
+}
+
 TEST_F(ForeignPictureTest, PixelsNeedNotBeSquare) {
     const ForeignCameraChoice camera{
         .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
@@ -101,6 +136,24 @@ TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
     EXPECT_EQ(asked.camera.film_distance_mm, 80);
     EXPECT_EQ(asked.camera.film_width_mm, 36);
     EXPECT_EQ(asked.camera.assumed.size(), 3U);
+}
+
+TEST_F(ForeignPictureTest, AParallelProjectionIsWarnedOf) {
+    const auto read_with = [&](float w_of_z) {
+        return read({{rgbz(1, 2), "", "", [=](Imf::Header& h) {
+                          Imath::M44f ndc;
+                          ndc[2][3] = w_of_z;
+                          Imf::addWorldToCamera(h, Imath::M44f());
+                          Imf::addWorldToNDC(h, ndc);
+                      }}});
+    };
+    const auto says_so = [](const ForeignPicture& p) {
+        return std::any_of(p.camera.assumed.begin(), p.camera.assumed.end(), [](const std::string& text) {
+            return text.find("orthographic") != std::string::npos;
+        });
+    };
+    EXPECT_TRUE(says_so(read_with(0)));
+    EXPECT_FALSE(says_so(read_with(-1)));
 }
 
 TEST_F(ForeignPictureTest, MatricesNameTheView) {

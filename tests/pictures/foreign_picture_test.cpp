@@ -307,6 +307,34 @@ TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     EXPECT_NEAR(read_deep({red, wall}).flattened().alpha.empty() ? 1 : 0, 1, 0);
 }
 
+// The slices of a deep volume have equal ratios of far to near depth, and optical depths that are
+// proportional to their lengths.
+TEST_F(ForeignPictureTest, SlicesOfAVolumeHaveEqualRatiosOfDepth) {
+    for (const float front : {1.0F, 0.0F}) {
+        const float back = 64;
+        const ForeignPicture p = read_deep({{0.5F, 0.25F, 0, 0.75F, front, back}});
+        ASSERT_EQ(p.samples.size(), 32U);
+        double near = static_cast<double>(front), optical_depth = 0;
+        for (std::size_t i = 0; i < 32; ++i) {
+            const StackSample& s = p.samples[i];
+            const double far = 2 / static_cast<double>(s.inverse_z) - near, whole = -std::log(0.25);
+            const double part = -std::log1p(-static_cast<double>(s.alpha));
+            EXPECT_NEAR(part, whole * (far - near) / static_cast<double>(back - front), 1e-6) << i;
+            if (near > 0) {
+                const double ratio = front > 0 ? std::pow(64, 1 / 32.0) : std::pow(100, 1 / 31.0);
+                EXPECT_NEAR(far / near, ratio, 1e-4) << i;
+            } else {
+                EXPECT_LE(part, 0.01 * whole + 1e-6);
+            }
+            near = far;
+            optical_depth += part;
+        }
+        EXPECT_NEAR(near, 64, 1e-3);
+        EXPECT_NEAR(optical_depth, -std::log(0.25), 1e-5);
+        EXPECT_NEAR(p.flattened().rgb[0], 0.5, 1e-5);
+    }
+}
+
 // Fog from Z to ZBack with a transmittance of t lets a surface after the share a of its way through t^a.
 TEST_F(ForeignPictureTest, ASurfaceInsideAVolumeStandsAtItsOwnDepth) {
     const double t = 0.1;

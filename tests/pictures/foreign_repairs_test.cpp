@@ -29,6 +29,21 @@ TEST_F(ForeignPictureTest, ColoursThatAreNoNumbersGetTheMeanOfThoseAround) {
     for (const StackSample& s : other.samples) EXPECT_TRUE(std::isfinite(s.r + s.g + s.b));
 }
 
+TEST_F(ForeignPictureTest, ColoursWithoutFiniteNeighboursAreBlack) {
+    Part part{rgbz(std::numeric_limits<float>::quiet_NaN(), 2)};
+    const auto text = [&] {
+        std::string out;
+        for (const ForeignRepair& r : read({part}).repairs) out += r.code == "repaired" ? r.text + "\n" : "";
+        return out;
+    };
+    EXPECT_EQ(text(), "24 samples with colours that are not finite: taken as black\n");
+    // The neighbours of the first pixel have their mean, the others are black.
+    part.channels["R"][0] = 1;
+    EXPECT_EQ(text(),
+              "3 samples with colours that are not finite: the mean of those around instead\n"
+              "20 samples with colours that are not finite: taken as black\n");
+}
+
 TEST_F(ForeignPictureTest, AlphasBeyondOneAreCutOff) {
     Part part{rgbz(1, 2)};
     part.channels["A"] = even(1);
