@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "core/error.h"
 #include "pictures/foreign/foreign_channels.h"
@@ -11,24 +12,25 @@ namespace {
 
 /// Channel names and scale of the vectors that a program writes.
 struct Convention {
-    std::string_view word;  ///< name of the pass; if empty, any pass matches, but only in a separate file
+    PassWords words;  ///< names of the pass; if empty, any pass matches, but only in a separate file
     const char *u, *v;
     glm::dvec2 scale;
+    bool is_sure = true;  ///< false if programs use these names for different units and directions
 };
-constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, motion{"motion"},
-    velocity{"velocity"};
+constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"};
+constexpr std::array<std::string_view, 4> motion{"motion", "*motionvector", "*motionvectors", "*velocity"};
+constexpr std::array<std::array<const char*, 2>, 5> pairs{
+    {{"x", "y"}, {"X", "Y"}, {"u", "v"}, {"U", "V"}, {"R", "G"}}};
 
 std::vector<Convention> conventions(bool own_file) {
-    std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
+    std::vector<Convention> out{{forward, "u", "v", {1, -1}},
                                 // (Z, W) points from the position in the next frame to that in this frame,
-                                // which is against the motion. The sign of Z is therefore reversed. W keeps
-                                // its sign, because it also points up instead of down.
-                                {vector[0], "Z", "W", {-1, 1}},
-                                {motion[0], "x", "y", {1, 1}},
-                                {velocity[0], "x", "y", {1, 1}}};
+                                // where W points up. Negating only Z yields the motion to the right and down.
+                                {vector, "Z", "W", {-1, 1}},
+                                {motion, "x", "y", {1, 1}}};
+    for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});
     if (own_file) {
-        for (const auto& [u, v] : {std::pair("x", "y"), {"X", "Y"}, {"u", "v"}, {"U", "V"}, {"R", "G"}})
-            out.push_back({{}, u, v, {1, 1}});
+        for (const auto& [u, v] : pairs) out.push_back({{}, u, v, {1, 1}});
     }
     return out;
 }
@@ -91,9 +93,9 @@ std::optional<VectorChannels> find_vector_channels(const ForeignFile& file, cons
                 for (std::size_t k = 0; k < known.size(); ++k) {
                     const Convention& c = known[k];
                     if (letter != c.u || !file.parts()[i].has(before + c.v)) continue;
-                    const ChannelGroup group = channel_group(
-                        file, i, before, c.word.empty() ? PassWords(vector_words) : PassWords(&c.word, 1));
-                    if (!c.word.empty() && !group.has_pass) continue;
+                    const ChannelGroup group =
+                        channel_group(file, i, before, c.words.empty() ? PassWords(vector_words) : c.words);
+                    if (!c.words.empty() && !group.has_pass) continue;
                     candidates.push_back({group, name, static_cast<int>(k)});
                     channels.push_back({.part = i,
                                         .u = name,
@@ -116,9 +118,13 @@ std::optional<VectorChannels> find_vector_channels(const ForeignFile& file, cons
             return std::nullopt;
         }
         out = channels[match->candidate];
-        if (match->surmised && !own_file)
-            out->assumed =
-                out->u + " and " + out->v + " are taken as the motion: the colours have none of their own";
+        const std::string names = out->u + " and " + out->v;
+        if (match->surmised && !own_file) {
+            out->assumed = names + " are taken as the motion: the colours have none of their own";
+        } else if (!known[static_cast<std::size_t>(candidates[match->candidate].rank)].is_sure &&
+                   !choice.scale) {
+            out->assumed = names + " are taken as px to the right and down (--vector-scale)";
+        }
     }
     out->scale = choice.scale.value_or(out->scale);
     out->offset = choice.offset.value_or(out->offset);

@@ -26,14 +26,16 @@ struct VectorChannels {
     std::size_t part = 0;
     std::string u, v;
     glm::dvec2 scale{1, 1}, offset{0, 0};
-    std::string assumed;  ///< assumption about the layer of the vectors; empty if nothing is assumed
+    std::string assumed;  ///< assumption about the layer or unit of the vectors; empty if nothing is assumed
 };
 
 /// Finds the vectors that belong to the colours of the group `own` (match_group). If the layer does not
 /// determine them, the first of the following passes is used. docs/motion_vectors.md defines them.
 /// - forward, with .u and .v, where v points upwards.
 /// - Vector, with .Z and .W. They contain minus the displacement to the next frame, and W points upwards.
-/// - motion or velocity, with .x and .y, where `scale` is 1,1.
+/// - motion, or a name that ends with motionvector, motionvectors or velocity, with .x and .y, .X and .Y, .u
+///   and .v, .U and .V, or .R and .G, where `scale` is 1,1. If they are not named .x and .y, `assumed` says
+///   so.
 ///
 /// In a separate file, channels x and y, u and v, or R and G are also accepted, with any pass name. If
 /// nothing matches, the result is empty, and `other` is the group of the vectors that the file does contain.

@@ -32,6 +32,9 @@ TEST_F(VectorFrameTest, ScaleAndSignAreWhatTheNamesOrTheUserSay) {
     EXPECT_EQ(vector_of("Vector.Z", "Vector.W", {}), glm::vec2(-12, -5));
     EXPECT_EQ(vector_of("motion.x", "motion.y", {}), glm::vec2(12, -5));
     EXPECT_EQ(vector_of("velocity.x", "velocity.y", {}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("velocity.X", "velocity.Y", {}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("motionVectors.R", "motionVectors.G", {}), glm::vec2(12, -5));
+    EXPECT_EQ(vector_of("VRayVelocity.u", "VRayVelocity.v", {.scale = glm::dvec2(2, -1)}), glm::vec2(24, 5));
     EXPECT_EQ(vector_of("forward.u", "forward.v", {.scale = glm::dvec2(0.5, 2)}), glm::vec2(6, -10));
     EXPECT_EQ(vector_of("a", "b", {.channels = {{"a", "b"}}}), glm::vec2(12, -5));
     EXPECT_EQ(vector_of("a", "b", {.channels = {{"a", "b"}}, .scale = glm::dvec2(-1, -2)}),
