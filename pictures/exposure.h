@@ -23,9 +23,9 @@ inline constexpr double most_exposure_stops = 100;
 /// Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The image's
-/// current exposure (Image::exposure_stops) does not affect the result. If it is unknown, the values of the
-/// image are treated as radiance.
+/// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The result
+/// does not depend on the image's current exposure (Image::exposure_stops). If that exposure is unknown, the
+/// image's values are treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
 /// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.

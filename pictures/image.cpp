@@ -185,7 +185,8 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// The display window, in the coordinates of the file, or the data window if the file is a crop.
+    /// Rectangle of the returned image in the file: the display window, or for a crop the data window,
+    /// because the display window of a crop is the whole image.
     int x = 0, y = 0, width = 0, height = 0;
 };
 

@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether rays are faster in the current piece (square of the image), because it has too many reflected
-    /// and transmitted patches (planar parts of surfaces) to draw. Empty until it is computed.
+    /// Whether the current piece (square of the image) shows so many patches (planar parts of surfaces) by
+    /// reflection or transmission that rays are faster. Empty until it is computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -45,9 +45,9 @@ struct Workplace {
 /// have thousands of views, so one test per tile would be too rare.
 constexpr std::size_t views_between_looks = 64;
 
-/// Number of views after which rays may replace all samples with reflections or refractions. They do so if
-/// the records were insufficient for more than half of these samples so far. Tracing rays is then faster than
-/// drawing the others from records.
+/// After this many views, rays may replace all samples with reflections or refractions. They do so if the
+/// records were insufficient for more than half of these samples so far. Tracing all of them is then faster
+/// than drawing the rest from records.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -256,8 +256,8 @@ class Field {
         }
     }
 
-    /// Clears the pixels in which an unrecorded surface, from outside the recorded part of the raster, may
-    /// hide what the view sees.
+    /// Clears the pixels in which an object from outside the recorded part of the raster may hide the
+    /// recorded surface.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -279,7 +279,7 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Recorded surfaces may hide highlights that reach the tile (`lights`). The surfaces are then drawn
+        // Recorded surfaces may hide highlights whose light reaches the tile (`lights`). They are then drawn
         // even if rays replace all samples of the tile.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
@@ -325,8 +325,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and
-    /// `passes` must be empty, so that the lens transmits light to all pixels.
+    /// Adds all pixels of a view to the sums. Only for views that are made from a single recorded instant,
+    /// and whose lens transmits light to all pixels (`passes` is empty).
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

@@ -99,9 +99,9 @@ struct PatchField {
     /// Returns the motion class of an object. All objects of a class move alike. Only called if objects move
     /// or if `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each class of objects that move alike, the bits that mark it in PatchPicture::touched. A pixel
-    /// gets the bits of all objects that views see in it. A class that does not move in any view has no bits.
-    /// If the list is empty, `touched` is not computed.
+    /// For each class of objects that move alike, the bits that mark it. In PatchPicture::touched, a pixel
+    /// gets the bits of all objects that any view sees there. The bits of a class that does not move in any
+    /// view are 0. If the list is empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// Edge of a piece (square of the image that is drawn as one task), in px. It is SeenTile::edge divided
@@ -111,13 +111,13 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The recorded part of the raster: its first pixel, and one past its last pixel. Unrecorded surfaces
-    /// outside it may hide what a view sees. With rays or moving objects, pixels in which this may happen
-    /// count as unknown. If both values are equal, nothing is tested. Must be set if a set of views has rays.
+    /// The recorded part of the raster: its first pixel, and one past its last pixel. Surfaces outside it are
+    /// not recorded, but may hide what a view sees. With rays or moving objects, pixels that they may hide
+    /// count as unknown, unless the two values are equal. Must be set if a set of views has rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// The extent of the lens: the largest |x| and |y| of a lens point, in px m (lens point in m, times film
-    /// distance / pixel pitch). Patches that are visible from any such point are collected, even if no view
-    /// sees them. Must be set if `lights` uses TileViews::patches or if there are rays.
+    /// The extent of the lens: the largest |x| and |y| of a lens point, in m times film distance / pixel
+    /// pitch (px m). Patches that are visible from any such point are collected, even if no view sees them.
+    /// TileViews::patches and rays need these patches, so the extent must be set if either is used.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -148,8 +148,8 @@ class Lights {
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
     /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels. The first three are the
-    /// light of the highlights in r, g and b. The fourth is the squared radiance of the highlights in the
-    /// brightest channel, averaged over rays through the lens.
+    /// light of the highlights in r, g and b. The fourth is the mean, over rays through the lens, of the
+    /// square of the highlights' radiance in the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A line of sight from a pixel to a highlight. The highlight's light arrives along this line unless a
@@ -197,7 +197,8 @@ struct PatchPicture {
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
     /// Per pixel: weighted share of the views that need a reflected or transmitted surface that is not
-    /// recorded. Surfaces that are dim in the whole tile count less (TreeSums).
+    /// recorded. The share is reduced if such surfaces are darker in the whole tile than the pixel
+    /// (TreeSums).
     std::vector<float> unknown_below;
     /// Per pixel: weighted share of the views whose samples come from rays. Empty for sets without rays.
     std::vector<float> traced;
@@ -206,9 +207,9 @@ struct PatchPicture {
     /// Per pixel: mean squared radiance of the highlights (the fourth value of Lights::add). Empty if there
     /// are no highlights.
     std::vector<float> light_square;
-    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded or seen by a
-    /// view there. All bits are set if a view sees something that is not recorded. If no bit is set, all
-    /// views see the surface that is recorded at this pixel.
+    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded at this pixel or
+    /// that any view sees there. All bits are set if a view sees something that is not recorded. If no bit is
+    /// set, all views see the surface that is recorded here.
     std::vector<std::uint8_t> touched;
 };
 

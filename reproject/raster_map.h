@@ -53,10 +53,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Shift of a surface's image on the raster from the pinhole's view to that of a lens point: `(1/s I - W)
-/// lens_px + offset_px`, with the focus distance s and the unit matrix I. W is a 2x2 matrix in the surface's
-/// record. It describes how the image moves with the lens point. A directly visible surface at depth z' has W
-/// = I / z'.
+/// Shift of a surface's image on the raster from the pinhole's view to that of a lens point: `(I / s - W)
+/// lens_px + offset_px`, with the focus distance s and the unit matrix I. The 2x2 matrix W is recorded with
+/// the surface and describes how its image moves with the lens point. At depth z', a directly visible surface
+/// has W = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

@@ -37,10 +37,10 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. `path` is the node's sequence of
-    /// reflections and transmissions. `parent_id` is the object that reflects or transmits the node, and `id`
-    /// is the object on which the node lies. `at` is the raster position, in px, at which the pinhole sees a
-    /// directly visible node. If the function is empty, no node is clamped.
+    /// Returns whether the radiance of a shading-tree node is clamped. The node lies on the object `id` and
+    /// is seen by `path`, a sequence of reflections and transmissions. The last of them takes place at the
+    /// object `parent_id`. For a directly visible node, `at` is the raster position, in px, at which the
+    /// pinhole sees it. If the function is empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -67,8 +67,8 @@ class SightRays {
     /// radiance[i]. Thread-safe. The result of a line does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes only the radiance that `trace` leaves out because it is added to the image as highlights
-    /// (`less`). Along line i, only nodes that match of[i] count.
+    /// Writes only the radiance that `trace` leaves out, because it is added to the image as highlights
+    /// (`less`). Along line i, only nodes with the identity of[i] count.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -78,12 +78,12 @@ class SightRays {
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by
-    /// `path` (sequence of reflections and transmissions). The answer is false if lights or scattering lobes
-    /// are sampled at random there.
+    /// `path` (sequence of reflections and transmissions). The answer is false if the radiance is estimated
+    /// from random samples of lights or scattering lobes.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns the number of reflected and transmitted patches (planar parts of surfaces) that can be drawn
-    /// in the time of one ray. If a piece (square) of the image needs more patches per pixel, rays are traced
-    /// instead. The number must be equal for all rays of a PatchField.
+    /// Returns the number of patches (planar parts of surfaces) seen by reflection or transmission that can
+    /// be drawn in the time of one ray. If a piece (square) of the image needs more patches per pixel, rays
+    /// are traced instead. All SightRays of a PatchField must return the same number.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -125,7 +125,8 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // If the user copies or saves a quick, coarse image, the options of the final image are used.
+      // Copying and saving use these options: those of the final image, even if a quick, coarse image is
+      // shown.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -237,8 +238,8 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // The colour of the cause covers the image with an alpha of 191 (of 255), so that a quarter of the image
-    // stays visible.
+    // The colour of a pixel's cause of error covers the image with an alpha of 191 (of 255), so that a
+    // quarter of the image stays visible.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {

@@ -142,8 +142,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image opens a window. If an earlier image opened one, that window would receive
-            # the Esc key instead of the window in which this operator runs.
+            # Only the last image may open a window: the window of an earlier image would receive the Esc key, which
+            # should stop this operator.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

@@ -109,8 +109,8 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # A change of the file format changes the name of the colour space. The name is restored afterwards, unless it
-        # was empty.
+        # A change of the file format changes the name of the colour space, so this name is restored, too, unless it is
+        # empty.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),

@@ -7,8 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of the render slot for the renders of `rendered`, whose images are empty. In Blender's current slot, they would
-# replace the user's last render.
+# Name of the render slot that `rendered` uses. Its renders produce empty images, which must not replace the user's last
+# render in Blender's current slot.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

@@ -40,8 +40,8 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// Returns the offset of the first byte after the channel list with which `value` begins, or 0 if the list is
-/// not terminated.
+/// `value` begins with a list of channels. Returns the offset of the first byte after the list, or 0 if the
+/// list is not terminated.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {

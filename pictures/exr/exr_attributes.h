@@ -14,9 +14,9 @@ namespace postlens {
 inline constexpr std::uint32_t exr_magic = 20000630;
 
 /// Returns true if `value` has exactly the size that the OpenEXR library reads for an attribute of this type,
-/// or if OpenEXR does not define the type. The library (version 3.1) ignores the stated size of most
-/// attributes. After a wrong size, it continues at the wrong position, where it may mistake arbitrary bytes
-/// for a size and allocate gigabytes.
+/// or if OpenEXR does not define the type. For most types, the library (version 3.1) ignores the size that
+/// the file states. If this size is wrong, the library reads the next attribute at a wrong position, and may
+/// allocate gigabytes.
 [[nodiscard]] bool fills_its_size(std::string_view type, ByteView value);
 
 /// Largest accepted size of an uncompressed chunk. It is enough for 64 channels of 65536 px in chunks of 16

@@ -256,9 +256,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // For an idmanifest attribute, the OpenEXR library (3.1) reads four bytes too many, and so misses
-            // the first four characters of the next attribute's name. If that name has at most four
-            // characters, the library misreads the attribute's size, so the file is refused.
+            // After an idmanifest attribute, the OpenEXR library (3.1) skips the first four characters of the
+            // next attribute's name. Nothing remains of a name of at most four characters, and the library
+            // misreads what follows, so such files are refused.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -169,7 +169,7 @@ bool has_its_ids(const nlohmann::json& manifest) {
 }
 
 /// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. The
-/// JSON is then invalid, or a parser misreads names, so that their hashes differ from their ids. This
+/// JSON is then invalid, or is read as other names, whose hashes differ from the ids in the manifest. This
 /// function escapes the names in such manifests. It returns all others unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);

@@ -175,9 +175,9 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel can be found twice, along its row and along its column. The result with the larger step is
-        // kept. A row or column that runs along an edge may contain only mixed depths, which make its step
-        // too small.
+        // A pixel can be found twice, in its row and in its column. The result with the larger step (near -
+        // far) is kept: a row or column along an edge may contain only mixed depths, which differ less than
+        // the surfaces do.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

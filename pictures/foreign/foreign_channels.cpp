@@ -186,8 +186,8 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // No channel of the separate depth file has the name of a depth. Its only channel is then accepted,
-        // or else R, Y or V, because some programs write a depth image as grey RGB.
+        // If no channel of the separate depth file is named like a depth, its only channel is accepted, or
+        // else R, Y or V, because some programs write a depth image as grey RGB.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers candidates in the same part as the colours. All Cryptomattes are given that
-            // part, so the choice does not depend on where they are stored.
+            // match_group prefers candidates in the same part as the colours. The part of a Cryptomatte does
+            // not matter, so the part of the colours is entered for all.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -48,9 +48,9 @@ class ForeignDepths {
         }
     }
 
-    /// Repairs depths that were filtered like colours (mend_filtered_depths), then sets the depths of the
-    /// samples of a flat image. For each pixel, `depths` has the depth that the file stores, and `covered`
-    /// the alpha.
+    /// Repairs depths that were filtered like colours and are wrong at edges (mend_filtered_depths), then
+    /// sets the depths of the samples of a flat image. Per pixel, `depths` has the stored depth, and
+    /// `covered` the alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to

@@ -63,7 +63,7 @@ struct DeepRows {
 /// An OpenEXR file, and separate files for its passes (such as depth or ids). Throws Error(invalid_input),
 /// with the name of the file, if the file is damaged, claims more data than its size allows, or exceeds a
 /// limit: 65536 px per edge of a window, 2^29 px per window, 256 MB per chunk. Throws Error(out_of_memory)
-/// before memory is allocated.
+/// instead of exceeding the available memory.
 class ForeignFile {
   public:
     explicit ForeignFile(const std::filesystem::path& path);

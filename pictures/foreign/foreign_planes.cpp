@@ -7,16 +7,15 @@
 namespace postlens {
 namespace {
 
-/// Extends values beyond the border of the part `from`. `plane` has one value per pixel of the part `onto`.
-/// On each side where `from` reaches the border of the display window, pixels further out get the nearest
-/// value of `from`.
+/// `plane` has one value per pixel of the part `onto`, read from the part `from`. On each side on which
+/// `from` reaches the border of the display window, pixels of `onto` outside `from` get the nearest value of
+/// `from`.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // Pixels outside this range get the value of the nearest pixel inside it. On sides where `from` ends
-    // before the border of the display window, the range extends to the end of `onto`, so nothing changes
-    // there.
+    // Pixels outside this range get the value of the nearest pixel inside it. On a side on which `from` does
+    // not reach the border of the display window, all of `onto` is in the range and stays unchanged.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),

@@ -13,18 +13,18 @@
 namespace postlens {
 
 /// Reads channels of a flat part at the pixels of another part, `onto`. The upper left corners of both
-/// display windows coincide. For each row of pixels that both parts store, calls take(pixel, count, from,
-/// values). The row has `count` pixels, and its first pixel has the index `pixel` in `onto`. In channel c,
-/// the row begins at values[c][from].
+/// display windows coincide. Calls take(pixel, count, from, values) for each row of pixels that both parts
+/// store. The row's first pixel has the index `pixel` in `onto`. Its `count` values in channel c begin at
+/// values[c][from].
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns the values of a channel for all pixels of part `onto`, row by row. Pixels that `part` does not
-/// store get the value `otherwise`. However, where `part` reaches the border of the display window, pixels
-/// further out get the nearest stored value. If `converts` is true, the integers of the channel are converted
-/// to floats. Throws Error(out_of_memory).
+/// store get the nearest stored value on sides on which `part` reaches the border of the display window, and
+/// the value `otherwise` on other sides. If `converts` is true, the integers of the channel are converted to
+/// floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -43,9 +43,9 @@ class JoinedChannels {
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
     /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
-    /// empty name. A channel that is added again for the same use keeps its index. A channel of a part other
-    /// than that of the constructor is read immediately. Pixels that its part does not store get the value
-    /// `otherwise`.
+    /// empty name. The same channel with the same use keeps its index. Pixels that the channel's part does
+    /// not store get the value `otherwise`. `read` reads the channels of the constructor's part; all others
+    /// are read here.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

@@ -22,8 +22,8 @@ class MatteShares {
 
     /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. To
     /// decompress this part only once, the caller reads them together with the colours and passes each row to
-    /// `take`, from top to bottom. Ranks (the surfaces of a pixel) must be read in order. If another part has
-    /// the first rank, the result is therefore empty, and `finish` reads all ranks.
+    /// `take`, from top to bottom. Ranks (the surfaces of a pixel) must be read in order. If `part` does not
+    /// store the first rank, the result is empty, and `finish` reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the values of `count` adjacent pixels, the first of which has the index `pixel`. values[c]
     /// points to the `count` values of channel c. `picture` must have the samples of these pixels.

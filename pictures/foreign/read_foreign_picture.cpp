@@ -237,13 +237,14 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // Depths may all be negative. The sign of the front depth then makes the back depth
-                    // positive, too. If ZBack is not a valid depth, the volume becomes a surface.
+                    // In some files, all depths are negative. The sign of the front depth is applied to the
+                    // back depth, to make it positive. If ZBack is not a valid depth, the volume becomes a
+                    // surface.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 means that the camera is inside the volume. Since 0 has no sign, the
-                    // absolute value of `back` is used.
+                    // A front depth of 0 means that the camera is inside the volume. Its sign is unknown, so
+                    // the absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;

@@ -73,9 +73,9 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 }
 
 /// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
-/// images. If the front image begins inside the raster (front > 0), the smaller of the two is returned.
-/// Otherwise it is `front`: further out, the front image may lack objects, and the back image would show in
-/// their place.
+/// images. If front > 0, the front image is complete, and the smaller of the two is returned. Otherwise it
+/// may be cut off at `front`, and the back image would show in place of its missing objects. The result is
+/// then `front`.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }

@@ -40,7 +40,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
 }
 
 /// Returns the ids that the user's text `object` can mean, best first: the id of this name in the manifest,
-/// then the hash of the name. If the text is a number, then also the number itself and the bits of its float.
+/// then the hash of the name. An integer can also be the id itself, or the value of a float whose bits are
+/// the id.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -105,8 +106,8 @@ class MaskedStack {
             take(1, is_same);
             return;
         }
-        // Masks usually cover different objects. Samples that no mask has chosen yet are therefore chosen
-        // first. Samples of other masks follow only if the mask covers more of the pixel.
+        // Masks usually cover different objects, so samples that no mask has chosen yet are chosen first. If
+        // they cover less of the pixel than this mask, samples of other masks follow.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }

@@ -134,8 +134,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // The weight of a pixel is 1 / squared distance. A search among mixed pixels finds the pixel
-            // itself, at distance 0, so 0.5 is added to prevent a division by 0.
+            // The weight of a pixel is 1 / squared distance. If mixed pixels are searched (`pure` is false),
+            // the pixel itself is one of them, at distance 0, so 0.5 is added to prevent a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);

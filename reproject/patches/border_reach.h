@@ -47,14 +47,14 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in px, of the pixels at this side of the raster in any view: `deepest_px`
-        /// perpendicular to the side, towards the inside, and `sideways_px` along the side.
+        /// Bounds, in px, of the displacement of the pixels at this side of the raster in all views:
+        /// `deepest_px` perpendicular to the side, into the raster, and `sideways_px` along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px`, with a tolerance
-        /// of `around_px` along each axis.
+        /// Enlarges `deepest_px` and `sideways_px` to include all displacements that differ from `moved_px`
+        /// by at most `around_px` along each axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the moving pixels of this side in all views of
-        /// a part of the exposure.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of the moving pixels of this
+        /// side in all views of `span`, a part of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };

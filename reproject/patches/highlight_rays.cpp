@@ -10,8 +10,7 @@ namespace {
 
 /// Numbers of rays per pixel. A first round traces `few_rays` per pixel, to find the pixels in which the rays
 /// differ. A second round traces `many_rays` in these pixels and `few_rays` in all others. Only the rays of
-/// the second round are averaged. Their number depends on the first round, whose rays would therefore bias
-/// the mean.
+/// the second round are averaged: a mean with rays that have determined their own number would be biased.
 constexpr int few_rays = 4, many_rays = 28;
 /// Two rays differ if their radiances in a channel differ by more than this fraction of the larger one.
 constexpr double differing = 1e-3;

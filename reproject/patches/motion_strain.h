@@ -14,8 +14,8 @@ namespace postlens {
 /// Computes upper bounds of the distortion of a part of a surface by the motions in all views
 /// (PatchLens::motion).
 struct StrainOfMotions {
-    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions). Only
-    /// `strain_views` views of an image are needed, if they are spread uniformly over the exposure.
+    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions).
+    /// Instead of all views, `strain_views` views that are spread uniformly over the exposure are sufficient.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

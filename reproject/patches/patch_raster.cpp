@@ -20,8 +20,8 @@ constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
 /// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
-/// coordinates, sample i of row j lies at `first(j) + i * by`. If steps were added up instead, rounding would
-/// depend on how a row is divided.
+/// coordinates, sample i of row j lies at `first(j) + i * by`. With repeated addition of `by`, the rounding
+/// error would depend on how a row is divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -60,8 +60,8 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Factor of a patch's inverse depth in its overlap, the margin beyond its sides. It puts the overlap behind
-/// the neighbouring patch.
+/// Neighbouring patches overlap by a margin beyond their sides. There, a patch's inverse depth is multiplied
+/// by this factor, so that it lies behind its neighbour.
 constexpr float in_overlap = 1 - 1e-3F;
 
 /// Element n is 1 << n. A table is used because some instruction sets cannot shift each lane (element of a
@@ -109,8 +109,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n for which in[n] is `id`. The object `id` reflects or transmits the
-/// patch there, so the patch may be drawn.
+/// Returns a bit mask of the samples n for which in[n] is `id`. The patch is seen by reflection or
+/// transmission in this object, so it is only drawn there.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;

@@ -28,9 +28,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may or may not cover the pixel: the records do not determine
-    /// the exact position of its edge (SheetNode::maybe). Surfaces behind those that have already been drawn
-    /// are ignored.
+    /// Inverse depth of the nearest surface of which it is uncertain whether it covers the pixel, because the
+    /// records do not determine the exact position of its edge (SheetNode::maybe). Surfaces behind one that
+    /// was drawn earlier are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -106,16 +106,16 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a surface must be drawn that is seen by reflection or transmission. For each of them,
-/// the object that reflects or transmits the surface.
+/// The pixels in which a surface that is seen by reflection or transmission must be drawn, and for each
+/// pixel, the object that reflects or transmits this surface.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
     /// Whether the surface's parent (the surface that reflects or transmits it) is missing in some pixels.
-    /// For these pixels, `in` contains in_gap(id), where `id` is the object of the nearest ancestor that the
-    /// view sees.
+    /// There, `in` contains in_gap(id) instead of the parent's id, where `id` is the object of the nearest
+    /// ancestor that the view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -136,9 +136,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 /// drawn separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch that is seen by reflection or transmission, with a depth test. It is drawn only in pixels
-/// that show the object that reflects or transmits it. It is not drawn if the view stretches a raster px to
-/// more than `largest_torn_px`. The patch may be mirror-inverted.
+/// Draws a patch that is seen by reflection or transmission, with a depth test, in the pixels that show the
+/// object that reflects or transmits it. The patch may be mirror-inverted. It is skipped if the view
+/// stretches a raster px to more than `largest_torn_px`.
 ///
 /// If WantedPixels::any_gaps is set, the reflecting or transmitting surface is missing in some pixels. A
 /// patch with an inaccurate reprojection (Patch::bent) is not drawn there. `out` must come from find_wanted.

@@ -8,17 +8,17 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // The 2x2 matrix W describes how the patch's image moves with the lens point. Each entry is a linear
-    // function of the position on the patch. Without a stored W (`has_w`), the patch is seen directly, and W
-    // is 1/z' times the unit matrix.
+    // The 2x2 matrix W describes how the patch's image moves with the lens point. Its entries are linear on
+    // the patch, and are stored after 1/z' (p[0]). If W is not stored (`has_w`), the patch is seen directly,
+    // and W is 1/z' times the unit matrix.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Returns the largest deviation of an entry `w` of the matrix W from its value at the patch's centre: the
-    // sum, over both axes, of |slope| times half the extent.
+    // Returns the largest difference between an entry of the matrix W on the patch and at the patch's centre.
+    // The entry is linear, so this is the difference at a corner.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };

@@ -23,8 +23,8 @@ struct PatchReach {
         }
     };
     /// Returns the bounding rectangle of the patch in one view. `lens` is the lens point, in px m
-    /// (LensShift::lens_px). `shift` is the shift of surfaces at infinity, in px. The matrix W, with the
-    /// entries xx, xy, yx and yy, describes how the patch's image moves with the lens point.
+    /// (LensShift::lens_px). `shift` is the shift of an infinitely distant surface's image, in px. The matrix
+    /// W (xx, xy, yx and yy) adds the shift -W * lens.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);

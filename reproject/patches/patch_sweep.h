@@ -24,8 +24,8 @@ class PatchSweep {
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Range of the shifts by the lens (LensShift) in all views. A static patch moves affinely with the
-    /// shift, so its positions at the corners of this box bound all its positions.
+    /// Smallest and largest shift by the lens (LensShift) in all views. A static patch moves affinely with
+    /// the shift, so its positions at the corners of this box bound all its positions.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves

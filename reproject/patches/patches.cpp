@@ -13,16 +13,16 @@ namespace {
 /// Largest reprojection error of a cell (pixel of a surface) for lens points on the rim of the lens. The
 /// error is a fraction of the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// A surface that lies closely behind another one must not show through it. Depth tests therefore reduce the
-/// inverse depth of the rear surface by Patch::back_per_m, but at most by this fraction.
+/// A hidden surface (SheetKey::hidden) that lies closely behind another one must not show through it. Depth
+/// tests therefore reduce its inverse depth by Patch::back_per_m, but at most by this fraction.
 constexpr double most_back = 0.02;
 /// Each pixel of a surface is drawn in a single colour (SheetMesh::coarse) if the smaller semi-axis of the
 /// circle of confusion is at least this many px. Such a blur hides finer detail.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to the cells (pixels) of a patch by least squares. Each cell has planes of its own, which the
-/// fit uses at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted planes is the
-/// patch's corner.
+/// Fits planes to the values of a patch's cells (pixels) by least squares. Each cell has linear functions,
+/// which the fit evaluates at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted
+/// planes is the patch's corner.
 template <std::size_t values>
 class Fit {
   public:
@@ -161,7 +161,7 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Bounds of motion are only computed for directly visible surfaces (values == 1).
+        // Only directly visible surfaces have one value per cell (1/z'), and only they get bounds of motion.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -194,8 +194,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // As the aperture shrinks, the allowed depth error `within` grows without limit. back_per_m is
-            // therefore limited to a fraction of the patch's inverse depth.
+            // As the aperture shrinks, `within` (allowed error of the inverse depth) grows without limit.
+            // back_per_m is therefore limited to a fraction of the patch's inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }

@@ -27,9 +27,9 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted surface is drawn as part of the surface that shows it if their images move
-    /// almost alike: their displacements differ by at most this many px for any lens point. If the value is
-    /// negative, all such surfaces are drawn separately. If it is all_follow, none is.
+    /// A reflected or transmitted surface is drawn as part of the surface that shows it if, for all lens
+    /// points, the displacements of the two images differ by at most this many px. All other such surfaces
+    /// are drawn separately. A negative value separates all of them, and all_follow none.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest error, in px, of the position of a cell (pixel of a surface) in a view. Blurred cells may have
@@ -37,16 +37,16 @@ struct PatchLens {
     double exact_px = 0.1;
     /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. `middle`,
-    /// `slope` and `reach` describe this part, as in RasterMap::tangent. If the function is empty, nothing
-    /// moves.
+    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. The part is
+    /// given by its centre, its gradient of 1/z', and half its size (RasterMap::tangent). If the function is
+    /// empty, nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. The matrix
-    /// `w` describes how the node's image moves with the lens point. If `w` is not isotropic, the circle is
-    /// an ellipse.
+    /// Returns the radius, in px, of the circle of confusion of a shading-tree node. The matrix `w` describes
+    /// how the node's image moves with the lens point. If `w` is not isotropic, the circle is an ellipse,
+    /// whose smaller semi-axis is returned.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -80,9 +80,9 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, `sheets->values` linear functions, with the patch's corner as the origin. The first
-    /// one is 1/z'. If the matrix W (motion of the image with the lens point) is stored, its entries xx, xy,
-    /// yx and yy follow.
+    /// Each patch has `sheets->values` linear functions, with the patch's corner as the origin. The first one
+    /// is 1/z'. If the matrix W (motion of the image with the lens point) is stored, its entries xx, xy, yx
+    /// and yy follow.
     std::vector<CellPlane> planes;
     /// For each sheet (part of a surface), the bits (child_bit) of those reflections and refractions that are
     /// drawn as part of the sheet. All others are drawn separately (PatchLens::follow_px).
@@ -150,15 +150,16 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d` (in px m,
-    /// as LensShift::lens_px).
+    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d`, in m times
+    /// film distance / pixel pitch (px m), as LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Computes the map from a directly visible patch to that area of the raster whose rays from the scene point
-/// pass through the patch. A patch nearer than the scene point hides the point from the pixels of this area.
-/// The map is linearised at the patch's centre. Returns false if the map is singular.
+/// Computes the map from a directly visible patch to the raster along the rays of the scene point: a point of
+/// the patch maps to the raster position whose ray passes through it. A patch nearer than the scene point
+/// hides the scene point there. The map is linearised at the patch's centre. Returns false if the map is
+/// singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
@@ -167,8 +168,8 @@ struct PlacedPatch {
 };
 /// Divides a patch, and appends those parts that are nearer than 1 / `nearest_per_m`, with their maps to the
 /// raster. These parts may hide the scene point, whose inverse depth `light_per_m` is at most
-/// `nearest_per_m`. The map is singular at the depth of the scene point, so parts near this depth are
-/// smaller: in a part of more than one pixel, 1/z' - `light_per_m` varies by at most a factor of two.
+/// `nearest_per_m`. Near the depth of the scene point, where the map is singular, parts are smaller: within a
+/// part, 1/z' - `light_per_m` varies by at most a factor of two, unless the part is a single pixel.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

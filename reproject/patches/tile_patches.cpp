@@ -60,8 +60,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // mark_recorded will mark the pixels in which a moving object was recorded. The object's patches
-            // are therefore also assigned to the tiles of these pixels.
+            // A patch is assigned to the tiles in which a view may see it, and if its object moves, also to
+            // the tiles in which it was recorded, because mark_recorded marks pixels there.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -50,15 +50,15 @@ class PatchBins {
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies the directly visible patches of a tile that may appear in the given rectangle. Clears the lists
-    /// of reflected and transmitted patches in `out`.
+    /// Copies the directly visible patches of a tile that may appear in the given rectangle to `out`. Empties
+    /// the lists of reflected and transmitted patches, which gather_chains fills.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
     /// Returns whether more than `most` reflected and transmitted patches of any one instant may appear in a
     /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Must be called
     /// after `gather`. Paths (sequences of reflections and transmissions) without patches in the rectangle
-    /// are listed, too. A view then knows that a surface with such a path is not recorded.
+    /// are listed, too, so that views that need a surface with such a path find that it is not recorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

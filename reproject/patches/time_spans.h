@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within 1/64 of the exposure, or twice the same view if there is only one.
+/// The first and the last view within 1/64 of the exposure. They are the same if there is only one view.
 /// Between these two views, a moving surface may move on a curve. Its distance from the straight line between
 /// its two positions is assumed to be less than the length of this line.
 struct TimeSpanViews {
@@ -21,7 +21,7 @@ struct TimeSpanViews {
 };
 
 /// Returns the time spans of all views that have motions and use the records of `instant`. Without rays,
-/// views do not store their instant, so each view gets a span of its own. The result points into `field`.
+/// PatchView::light_before is not set, so each view gets a span of its own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// If a view needs a reflected or transmitted surface that was not recorded, the mean radiance of the other
-/// views is used. If fewer than this fraction of the views that need the surface see it, the radiance seen
-/// from the pinhole is blended in.
+/// If a view needs a reflected or transmitted surface that is not recorded, the mean radiance of the views
+/// that see the surface is used. If these are fewer than this fraction of the views that need it, the
+/// radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,8 +84,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A surface's parent reflects or transmits it. If the parent is missing in a pixel, the surface is
-        // drawn there only if its nearest visible ancestor lies on the parent's object.
+        // The parent of a surface reflects or transmits it. If the parent is missing in a pixel, the surface
+        // is drawn there only if the parent and the nearest visible ancestor lie on one object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -221,8 +221,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
         // If a view lacks the parent (the surface that reflects or transmits this one), it is unknown whether
-        // the view needs this surface. `inflated` scales the sum, so that the mean of the other views also
-        // stands for such views.
+        // the view needs this surface. `inflated` scales the sum, so that such views get the mean of the
+        // views that have the parent.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

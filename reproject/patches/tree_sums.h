@@ -48,9 +48,10 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds the radiance that all views see by reflection and transmission in pixel k to `sum`, the pixel's
-    /// radiance times `weight`. Returns the weight of the views in which such surfaces are not recorded.
-    /// Surfaces that are dim in the whole tile count less. If some views miss the surface that reflects or
-    /// transmits, surfaces with an inaccurate reprojection (Patch::bent) also count as not recorded.
+    /// radiance times `weight`. Returns the weight of the views that need a surface that is not recorded. It
+    /// is reduced if such surfaces are darker in the whole tile than the pixel. If some views miss a
+    /// surface's parent, views that see the surface with an inaccurate reprojection (Patch::bent) are
+    /// included.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -79,8 +80,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a surface of this path in the tile. end_views adds the largest radiance that
-        /// such a surface reflects and transmits.
+        /// Largest radiance of a surface of this path in the tile. end_views adds that of the surfaces seen
+        /// in it, because they may be missing with it.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -90,14 +91,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the recorded surfaces that a missing surface of `chain` would reflect or transmit in pixel k.
-    /// Returns whether there are any.
+    /// If pixel k of a view lacks the surface of `chain`, but surfaces seen in it are recorded, adds these to
+    /// the sums of their own chains. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that reflects or transmits the surfaces of `chain` in pixel k. It is the
-    /// object that the view sees there one bounce earlier, or the nearest ancestor if that object is missing.
+    /// Returns the id of the object that reflects or transmits the surfaces of `chain` in pixel k: the object
+    /// of the parent surface if the view sees it, and otherwise that of the nearest ancestor that the view
+    /// sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. The first use of a
+    /// Returns the sums of pixel k for the surfaces of `chain`, which share one path. The first call for a
     /// chain in a tile clears all its sums.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 

@@ -5,9 +5,10 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2 of the recorded raster, that a pixel of the view covers at `p`. The surface at
-/// `p` is assumed to be parallel to the film. `motion` maps from the recorded instant to the view's instant.
-/// Returns nothing if the camera of the recorded instant does not see `p`.
+/// Returns the area, in px^2 of the recorded raster, that one pixel of the view shows at the view's raster
+/// point `p`. The surface there is assumed to be parallel to the film. `motion` maps from the recorded
+/// instant to the view's instant. Returns nothing if the camera of the recorded instant does not see the
+/// surface.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});

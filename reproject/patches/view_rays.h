@@ -33,8 +33,8 @@ struct ShownView {
         return mesh(u).id_of(seen[u].texel[k]);
     }
     /// Returns the weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the
-    /// same surface, their colours are blended. Otherwise only the nearer surface counts. If its outline is
-    /// imprecise (has_vague_outline), only the farther one counts.
+    /// same surface, their colours are blended. Otherwise only the nearer surface counts, or the farther one
+    /// if the outline of the nearer one is imprecise (has_vague_outline).
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -45,8 +45,8 @@ struct ShownView {
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
     /// Returns whether use `u` (a recorded instant of the view) shows a surface's outline in pixel `k` less
-    /// precisely than the other use. Two conditions must hold: the view magnifies the outline's quadtree leaf
-    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
+    /// precisely than the other use. Two conditions must hold: the quadtree leaf at the outline is larger
+    /// than a pixel of the view, and the other use has recorded this part of the object at a larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
@@ -71,17 +71,17 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts the samples that set_aside_trees has tested, and `with_sure_trees` those among
-    /// them whose reflected and transmitted light the records determine.
+    /// `with_trees` counts the samples with reflections or refractions that set_aside_trees has tested, and
+    /// `with_sure_trees` those of them for which the records suffice.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
     /// Bit mask per pixel. Bit u is set if rays replace the view's sample from its recorded instant u.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Replaces a view's samples by rays where the records do not determine the directly visible surface. If
-    /// something moves, rays also replace all samples of surfaces that reflect or transmit, because a mirror
-    /// and its reflections move differently. `parents_too` has the same effect. Where the lens transmits no
-    /// light, no ray is traced, and only the sample's weight is added to `recorded`.
+    /// Replaces a view's samples by rays where the records do not determine the directly visible surface.
+    /// Rays also replace all samples of surfaces that reflect or transmit if something moves (a reflection
+    /// moves differently from its mirror) or if `parents_too` is set. Where the lens transmits no light, no
+    /// ray is traced, and only the sample's weight is added to `recorded`.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
     /// light. `u` is the index of the use (recorded instant of the view) that is tested.
@@ -114,8 +114,8 @@ class CheckedSamples {
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
     /// Stores the recorded radiance of the view's samples that are to be checked, except those that rays
-    /// replace. Must be called once for each recorded instant `u` of the view. `number` is the index of the
-    /// view in its set. `trees` is null if no reflections or refractions are drawn.
+    /// replace. Must be called for both recorded instants `u` of the view, if it has two. `number` is the
+    /// index of the view in its set. `trees` is null if no reflections or refractions are drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -128,8 +128,8 @@ class CheckedSamples {
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
     /// Recorded radiance of the checked samples: `noted_` for the pixels of the current view, `recorded_` for
-    /// each ray. Component w is the share of the sample that comes from records, and the radiance is
-    /// multiplied by it. A ray provides the rest of the sample.
+    /// each ray. Component w is the share of the sample that comes from records, not from a ray. The other
+    /// components are the recorded radiance times w.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

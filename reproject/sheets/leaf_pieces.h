@@ -28,8 +28,8 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of elements of node[] in use: 4 if they lie at the leaf's corners, or 1 if node[0] lies at
-    /// (at_x, at_y) px from the cell's corner.
+    /// Number of elements of node[] in use. 4: they lie at the leaf's corners. 1: node[0] is the only node
+    /// and lies at (at_x, at_y) px from the cell's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
@@ -77,8 +77,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// Whether a corner of a quadtree leaf shows a given surface (`here`), a nearer surface (`before`) or a
-    /// farther one (`behind`).
+    /// What lies at a corner of a quadtree leaf: a given surface (`here`), nearer surfaces (`before`) or
+    /// farther surfaces (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -96,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface, `key_pieces_` contains the number of its pieces or, after sorting, the end of its
-    /// pieces in sorted_. `key_group_` contains its first Group at the current quadtree leaf. After use, the
-    /// values are reset to 0 and `none`, respectively.
+    /// For each surface: `key_pieces_` counts its pieces, until sort_pieces replaces the count by the end of
+    /// these pieces in sorted_. `key_group_` contains its first Group at the current quadtree leaf. After
+    /// use, the values are reset to 0 and `none`, respectively.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -46,9 +46,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Groups records by sample and layer. Calls take(visible, first, last) for each group [first, last), in
-/// ascending order of layers, and done() after each sample. `visible` is the sample's first record of layer 0
-/// (surfaces that the pinhole sees). Positions without a record of layer 0 are skipped.
+/// Groups records by sample and layer. Layer 0 has the surfaces that the pinhole sees. Calls take(visible,
+/// first, last) for each group [first, last), in ascending order of layers, and done() after each sample.
+/// `visible` is the sample's first record of layer 0. Positions without such a record are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -143,8 +143,8 @@ float departure(const Mat2& a, const Mat2& b) {
 
 /// Adds the radiance and the marks (flags) of each node to all its ancestors (TreeSurface::below and
 /// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W
-/// (motion of the image with the lens point) and that of a descendant. It becomes infinite if a descendant is
-/// brighter than `bright_above`.
+/// (motion of the image with the lens point) and that of a descendant. Nodes brighter than `bright_above` are
+/// drawn separately, so their ancestors get an infinite value.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

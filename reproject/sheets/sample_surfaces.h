@@ -36,7 +36,8 @@ struct TreeSurface {
     std::array<std::array<float, 3>, 2> below{};
     /// The matrix W describes how a node's image moves with the lens point. For each of the two children,
     /// this is the largest spectral norm, in 1/m, of the difference between this node's W and that of a node
-    /// in the child's subtree. Infinite if such a node is brighter than `bright_above` (find_trees).
+    /// in the child's subtree. Nodes brighter than `bright_above` (find_trees) make it infinite, because they
+    /// are drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -44,9 +45,9 @@ struct TreeSurface {
 }
 
 /// Returns whether two samples can lie on one surface: the line through both may be inclined to the film by
-/// at most 88.6 degrees. A sphere of 1600 px radius has this slope half a pixel inside its outline. `across`
-/// is the distance of the samples on the film: divided by the film distance for a perspective camera, and in
-/// m for an orthographic one.
+/// at most 88.6 degrees. A sphere of 1600 px radius exceeds this only within half a pixel of its outline.
+/// `across` is the distance of the samples on the film: divided by the film distance for a perspective
+/// camera, and in m for an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
 /// perspective camera, and m for an orthographic one.
@@ -61,7 +62,7 @@ struct SampleSurfaces {
 
 /// Finds the surfaces that point samples show, one in each layer. Layer 0 is visible from the pinhole, and
 /// layer n is the n-th surface behind it. A layer is skipped if only its reflections or refractions are
-/// recorded. `points` were read from `band`, from row y_begin on.
+/// recorded, and not the surface itself. `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of

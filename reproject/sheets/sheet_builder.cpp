@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// For files that state no threshold: the contrast above which a quadtree leaf is assumed to contain an edge.
-/// `trace` has not divided the pixels of such files.
+/// A quadtree leaf with a higher contrast is assumed to contain an edge. Used for files without a threshold,
+/// whose pixels `trace` has not divided.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -76,9 +76,9 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether a piece of this part overlaps `p`. If so, the two belong to different surfaces, even if
-    // their depths hardly differ. Pieces that may not show the surface (`maybe`) are ignored. The pieces of a
-    // leaf are consecutive in `part.pieces`.
+    // Returns whether a piece of this part overlaps `p`. If so, one lies behind the other in the same leaf,
+    // so they show different surfaces, even if their depths hardly differ. Pieces that may not show the
+    // surface (`maybe`) are ignored. The pieces of a leaf are consecutive in `part.pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -276,8 +276,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The leaves of a surface are usually in quadtree order, so those of a subtree are consecutive. If
-        // they are not, they are partitioned.
+        // The leaves of a surface are usually in quadtree order, so those of a subtree are consecutive.
+        // Otherwise, a stable partition makes them consecutive.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

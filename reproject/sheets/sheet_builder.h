@@ -30,12 +30,12 @@ class SheetBuilder {
     /// Returns whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or
     /// texture must cross the leaf.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the marks (flags, RecordMark) that the records at all four corners have. A mark may say, for
-    /// example, that the texture is finer than the samples.
+    /// Returns the marks (flags, RecordMark) that are set in the records at all four corners. A mark may say,
+    /// for example, that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
     /// Returns whether the light that the surface reflects or transmits is uncertain within the leaf: it
-    /// differs strongly between the leaf's corners, or its records have the same mark (flag, RecordMark) at
-    /// all corners.
+    /// differs strongly between the leaf's corners, or its records at all corners have the same flag
+    /// (RecordMark), for a gap or a too fine texture.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -45,8 +45,8 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Records that the highlights from index `first_light` on come from the texel (colour of a quadtree
-    /// leaf) that was added last. `area` is the texel's area in px^2.
+    /// Stores that all highlights from index `first_light` on belong to the texel (colour of a quadtree leaf)
+    /// that was added last. `area` is the texel's area in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

@@ -18,7 +18,7 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Numbers of elements in the joined mesh that come from earlier tasks. They are added to the indices in the
+/// Numbers of elements that earlier tasks have added to the joined mesh. They are added to the indices in the
 /// mesh of a task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
@@ -167,8 +167,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row that was read only provides the lower corners of the pixels above it, and the next
-        // call reads it again. It is therefore passed to `also` only if it is the last row of the file.
+        // The last row that was read only provides the lower corners of the pixels above it. The next call
+        // reads this row again, so it is passed to `also` only if it is the last row of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -198,8 +198,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `choice.squares` gets a copy, because during the call this thread may run another task, which
-            // would overwrite `made`.
+            // While `choice.squares` runs, this thread may start another task, which overwrites the
+            // thread-local `made`. The function therefore gets a copy.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

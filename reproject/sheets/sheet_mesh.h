@@ -30,8 +30,8 @@ struct SheetKey {
     }
 };
 
-/// A linear function of raster position: `value + x * dx + y * dy`. (dx, dy) is the distance, in px, from the
-/// function's origin. Each list of such functions states its origin.
+/// A linear function of raster position: `value + x * dx + y * dy`. (dx, dy) is the offset from the
+/// function's origin, in px; x and y are slopes. Each list of such functions states its origin.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -61,11 +61,13 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of a sheet's quadtree is `none` (empty), `maybe`, a leaf, or the index of its first child. A leaf
-/// is the index of its texel (colour) with the bit `leaf` set. The four children have consecutive indices:
-/// up-left, up-right, down-left, down-right. `maybe` is a quarter of a leaf that the surface's edge crosses:
-/// the leaf's corner in this quarter shows a farther surface, but the rest of the quarter may show this
-/// surface.
+/// A node of a sheet's quadtree is one of:
+/// - `none`: empty;
+/// - `maybe`: a quarter of a leaf that the surface's edge crosses. The leaf's corner in this quarter shows a
+///   farther surface, but the rest of the quarter may show this surface;
+/// - a leaf: the index of its texel (colour) with the bit `leaf` set;
+/// - otherwise the index of its first child. The children are consecutive: up-left, up-right, down-left,
+///   down-right.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -82,8 +84,7 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Whether nearer surfaces hide a part of a surface within a quadtree leaf, and whether this part is
-/// recorded.
+/// Which part of a surface is hidden by nearer surfaces within a quadtree leaf.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
@@ -125,8 +126,8 @@ struct SheetMesh {
     double time_s = 0;
     std::vector<Sheet> sheets;
     /// For each cell (raster pixel of a sheet), the root of its quadtree. `fine` has full detail. `coarse` is
-    /// for surfaces that are blurred over several pixels: there, a cell that the sheet covers completely is a
-    /// single leaf.
+    /// for surfaces that are blurred over several pixels. In `coarse`, a cell that the sheet covers
+    /// completely is a single leaf.
     std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions of the raster position, in 1/m, whose origin is the cell's
     /// centre. The first function is 1/z'. For surfaces seen by reflection or transmission, the entries xx,
@@ -169,8 +170,8 @@ struct HighlightRule {
     /// If the function is empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns, for each sheet of the mesh, the area whose radiance exceeds the limit for highlights. Also
-/// returns whether nearer surfaces hide parts of this area.
+/// Returns, for each sheet of the mesh, the area whose radiance exceeds the limit for highlights, and whether
+/// nearer surfaces hide parts of this area.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects the sheets (parts of surfaces) of an instant that are needed. Others are not built. The selection
@@ -185,8 +186,8 @@ struct SheetChoice {
     /// out. If the function is empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read (see `rows`). Appends those of its sheets that are
-    /// needed nevertheless to `parts`, from left to right. The row begins at raster row y.
+    /// Called for each row of squares that is not read (see `rows`) and begins at raster row y. Appends the
+    /// needed sheets of this row, which an earlier reading has kept, to `parts`, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };

@@ -177,8 +177,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). The two
-    # halves of the rounds would then not be independent, and could not measure the noise.
+    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). Images of different
+    # rounds would then not be independent, and their difference could not measure the noise.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell may be infinitely long along an axis, whose coordinate is then multiplied by 1 / infinity = 0. Blender's
-    # Checker Texture node is not used, because it shifts the borders of the cells.
+    # A cell may be infinitely long along an axis. The coordinate is multiplied by 1 / length, which is then 0.
+    # Blender's Checker Texture node is not used, because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
