@@ -25,7 +25,6 @@ class ForeignDepths {
     /// Returns true if a distance is that of a surface. A distance of 0, NaN, or `nothing_z` and more means
     /// that nothing was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
-    /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
     /// Decodes the depth value of pixel (x, y) of the file, returns the inverse of its absolute distance, and
     /// calls `note`.

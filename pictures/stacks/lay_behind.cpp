@@ -73,8 +73,8 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 }
 
 /// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
-/// images. If front > 0, the front image is complete, and the smaller of the two is returned. Otherwise it
-/// may be cut off at `front`, and the back image would show in place of its missing objects. The result is
+/// images. If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise
+/// it may be cut off at `front`, and the back image would show in place of its missing objects. The result is
 /// then `front`.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;

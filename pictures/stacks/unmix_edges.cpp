@@ -81,7 +81,6 @@ class Unmixer {
         return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.alpha)};
     }
-    /// Returns the id of a pixel, or 0 if the pixel is empty.
     [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
         return is_empty(pixel) ? 0 : p_.samples[p_.offsets[pixel]].id;
     }

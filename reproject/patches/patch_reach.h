@@ -17,7 +17,6 @@ struct PatchReach {
 
     struct Bounds {
         float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< raster px
-        /// Returns whether these bounds lie outside the rectangle [left, right] x [top, bottom].
         [[nodiscard]] bool misses(float left, float right, float top, float bottom) const {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }

@@ -40,7 +40,6 @@ class PatchBins {
   public:
     /// Keeps a reference to `field`.
     PatchBins(const PatchField& field, const MotionMarks& marks);
-    /// Number of tiles in a row, and number of rows of tiles.
     [[nodiscard]] int columns() const { return columns_; }
     [[nodiscard]] int rows() const { return rows_; }
     /// Returns whether any instant has patches of reflected and transmitted nodes.

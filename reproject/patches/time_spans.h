@@ -21,7 +21,7 @@ struct TimeSpanViews {
 };
 
 /// Returns the time spans of all views that have motions and use the records of `instant`. Without rays,
-/// PatchView::light_before is not set, so each view gets a span of its own. The result points into `field`.
+/// PatchView::light_before is not used, so each view gets a span of its own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -102,7 +102,6 @@ struct Strip {
     }
 };
 
-/// Removes all elements of a mesh, but keeps the capacity of its lists.
 void clear(SheetMesh& m) {
     m.sheets.clear();
     m.fine.clear();
