@@ -38,9 +38,8 @@ inline constexpr std::string_view vector_words[]{"vector",        "vectors",    
 /// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
 ///
 /// Programs order the words in names differently: a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
-/// in a part depth_LAYER. `layer` therefore ignores the order: it is a sorted list of the words in the names
-/// of the part and the channel. The channel's last word (Z) and words for the pass (depth), the view or
-/// colours are left out.
+/// in a part depth_LAYER. The layer is therefore the set of words in the names of the part and the channel.
+/// The channel's last word (Z) and words for the pass (depth), the view or colours are left out.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -73,8 +72,10 @@ struct GroupMatch {
 /// motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// If the channel `name` is named like a depth (for example Z), returns it as a possible depth of the
-/// selected colours. Otherwise returns empty.
+/// Returns true if a word is one of the words of a pass.
+[[nodiscard]] bool has_word(PassWords words, std::string_view word);
+
+/// Returns the channel as a candidate for the depth if its name is that of a depth, and otherwise empty.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -72,16 +72,12 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part, std::ve
 }  // namespace
 
 std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
-    const glm::dmat4 camera = transposed(world_to_camera);
-    if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
-    // For column vectors, ndc = projection * (point in camera space). glm stores elements as
-    // projection[column][row].
-    const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
-    const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
-    if (!usable(x) || !(w > 1e-9)) return std::nullopt;
-    // `middle` is the x coordinate of the image's centre: 0.5 if NDC runs from 0 to 1, and 0 if NDC runs from
-    // -1 to 1. `half` is half the width of the image in NDC.
-    const double middle = std::abs(projection[2][0]) / w;
+    const auto projection = projection_of(world_to_camera, world_to_ndc);
+    if (!projection || is_parallel(*projection)) return std::nullopt;
+    const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
+    // If NDC runs from 0 to 1, the centre of the image is at x = 0.5, and the projection adds 0.5 w to x. If
+    // NDC runs from -1 to 1, it adds nothing.
+    const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;
     return usable(tangent) ? std::optional<double>(tangent) : std::nullopt;

@@ -34,13 +34,15 @@ struct StackSample {
 /// rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of the samples behind the last opaque sample. If no sample is opaque, all
-/// samples count. If there is no sample behind the opaque one, the opaque sample itself counts, so the result
-/// is at most opaque_transmittance.
-[[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
+/// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
+/// no sample is opaque. A stack that ends with an opaque sample yields at most opaque_transmittance, because
+/// nothing is known behind that sample. If `is_nothing_behind` is set, empty space is known to be there, and
+/// such a stack yields 1.
+[[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
-/// Returns the bits of `value`, a value of an id channel, as an id. If `whole` is true, they are the bits of
-/// an integer, otherwise those of a float. The floats 0, -0 and NaN mean that there is no id, and become 0.
+/// Converts a value of an id channel to an id. The id is the bits of `value`, which are those of an integer
+/// if `whole` is true, and otherwise those of a float. The floats 0, -0 and NaN become 0, which means that
+/// there is no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
 /// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
