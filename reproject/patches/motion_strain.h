@@ -23,6 +23,7 @@ struct StrainOfMotions {
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };
-inline constexpr int strain_views = 16;
+/// It is prime, so that few motions that repeat are in the same phase in all of these views.
+inline constexpr int strain_views = 17;
 
 }  // namespace postlens
