@@ -40,7 +40,7 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& s
     FieldBlur out;
     out.views = settings.exposure.close_s > settings.exposure.open_s || settings.views
                     ? views_for(ids, settings)
-                    : fewest_views;
+                    : most_places;
     out.instant_shares.assign(sheets.size(), 0);
     PatchField field;
     field.width = header.width;

@@ -17,9 +17,10 @@ namespace {
 
 using glm::dvec3;
 
-// Number of instants at which shadows and lights are tested: the time of the frame, and nine evenly spaced
-// instants of the exposure.
-constexpr int shadow_instants = 10;
+// Number of instants at which shadows and lights are tested: the time of the frame, and the ends of 17 equal
+// steps of the exposure. The number of steps is prime, so that few repeated motions are in the same phase at
+// all instants.
+constexpr int shadow_instants = 1 + 18;
 constexpr int shadow_step_px = 4;
 
 bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {

@@ -16,7 +16,7 @@ namespace postlens {
 /// - "reflection": pixels whose mirror or glass shows an object that moves differently from the mirror or
 ///   glass.
 /// - "shadow": pixels whose light may be blocked by a moving object at some time of the exposure. The
-///   bounding spheres of the objects are tested at the frame's instant and at nine instants of the exposure,
+///   bounding spheres of the objects are tested at the frame's instant and at 18 instants of the exposure,
 ///   in every fourth pixel along each axis.
 /// - "light": pixels whose shading should change during the exposure. This is so if lights move. It is also
 ///   so if an object turns, or passes a light, so that its direction to a light changes by more than 15

@@ -1,7 +1,6 @@
 #include "motionblur/shutter_views.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/error.h"
@@ -23,9 +22,9 @@ glm::dvec2 place_in_pixel(std::uint32_t j, double places) {
 }
 
 int views_for_way(double longest_px) {
-    const double wanted = std::clamp(longest_px / 2, 1.0, static_cast<double>(most_views_by_itself));
-    return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(wanted)))), fewest_views,
-                      most_views_by_itself);
+    const auto enough = [&](int views) { return views >= longest_px / 2; };
+    const auto* const found = std::find_if(automatic_views.begin(), automatic_views.end(), enough);
+    return found != automatic_views.end() ? *found : automatic_views.back();
 }
 
 std::vector<ShutterView> shutter_views(const ShutterCurve& curve, const Exposure& exposure, int views) {

@@ -2,6 +2,7 @@
 // view.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -14,9 +15,11 @@ namespace postlens {
 
 /// Largest number of different sample positions in a pixel. Static surfaces are drawn once for each of them.
 inline constexpr int most_places = 64;
-inline constexpr int fewest_views = 128;          ///< smallest automatic number of views
-inline constexpr int most_views_by_itself = 512;  ///< largest automatic number of views
-inline constexpr int most_views = 4096;           ///< largest number of views that a user may set
+
+/// Automatic numbers of views. They are prime: if a motion repeats k times during the exposure, the views
+/// show it at M / gcd(M, k) different phases, so 512 views of 64 turns would show only 8 positions.
+inline constexpr std::array automatic_views{131, 257, 521};
+inline constexpr int most_views = 4096;  ///< largest number of views that a user may set
 
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);
@@ -26,9 +29,8 @@ void check_views(const std::optional<int>& views);
 /// that are close in time have very different positions.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Returns the automatic number of views for objects that move by up to `longest_px`: one view per 2 px,
-/// rounded up to a power of 2, between `fewest_views` and `most_views_by_itself`. docs/motion.md states the
-/// resulting error.
+/// Returns the automatic number of views for objects that move by up to `longest_px`: the smallest of
+/// `automatic_views` that has one view per 2 px, or the largest. docs/motion.md states the resulting error.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {

@@ -24,8 +24,8 @@ struct MotionBlurSettings {
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Number of instants that the method "lightfield" averages (`--views`). The default is one for every 2
-    /// px of the longest motion, rounded up to a power of 2, but at least 128 and at most 512.
+    /// Number of instants that the method "lightfield" averages (`--views`). The default is 131, 257
+    /// or 521: one for every 2 px of the longest motion, if 521 suffice.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.

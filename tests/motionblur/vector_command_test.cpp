@@ -25,7 +25,7 @@ TEST_F(VectorFrameTest, CommandBlursAndReports) {
     ASSERT_EQ(r.exit_code, 0) << r.err;
     const auto json = nlohmann::json::parse(r.out);
     EXPECT_EQ(json["method"], "lightfield");
-    EXPECT_EQ(json["views"], 128);
+    EXPECT_EQ(json["views"], 131);
     EXPECT_EQ(json["instants"], 1);
     EXPECT_TRUE(json["objects"].empty());
     ASSERT_EQ(json["warnings"].size(), 1U);
