@@ -10,6 +10,7 @@
 #include "planner/trace_plan.h"
 #include "tracer/exposure.h"
 #include "tracer/recording/key_instants.h"
+#include "tracer/recording/light_keys.h"
 #include "tracer/recording/recorded_motion.h"
 #include "tracer/shading/averaged_shading.h"
 
@@ -34,7 +35,7 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
 }
 
 // Warns if the user has chosen too few recorded instants (--keys) for the motion while the shutter is open.
-// Changing light is not considered, because measuring it would require tracing rays.
+// Of a file with a single instant, `motionblur` and `shoot` warn of changing light themselves.
 void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
     if (!settings.for_shutter || !settings.keys) return;
     const int keys = *settings.keys;
@@ -49,13 +50,22 @@ void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResu
                          "open, but {} (expected --keys auto)",
                          sweep_degrees, recorded)});
     }
-    if (keys_for_visits(scene, camera, settings.camera, settings.time_s.value_or(scene.time_s),
-                        *settings.for_shutter, keys) > keys) {
+    const double time_s = settings.time_s.value_or(scene.time_s);
+    if (keys_for_visits(scene, camera, settings.camera, time_s, *settings.for_shutter, keys) > keys) {
         out.warnings.push_back(
             {"visit",
-             fmt::format("an object is in the frame, or large, only between the recorded instants, as {} "
-                         "(expected --keys auto)",
+             fmt::format("an object is in the frame, large or around the camera only between the recorded "
+                         "instants, as {} (expected --keys auto)",
                          recorded)});
+    }
+    if (keys == 1) return;
+    const LightKeys light =
+        light_keys(scene, camera, settings.camera, time_s, *settings.for_shutter, settings.light_db,
+                   {settings.whitted.max_depth, settings.whitted.min_contribution});
+    if (light.keys > keys) {
+        out.warnings.push_back(
+            {"light", fmt::format("light changes while the shutter is open, but {} (expected --keys auto)",
+                                  recorded)});
     }
 }
 

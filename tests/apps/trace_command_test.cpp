@@ -105,6 +105,33 @@ keys = [{ time_s = 0, translate_m = [9, 0, -4] }, { time_s = 1, translate_m = [-
     EXPECT_FALSE(warned("auto"));
 }
 
+TEST_F(TraceCommand, WarnsOfLightThatTheKeysDoNotFollow) {
+    std::ofstream(in("turns.toml")) << R"(
+[[camera]]
+focal_length_mm = 50
+[[light]]
+kind = "directional"
+direction = [0, 0, -1]
+keys = [{ time_s = 0 }, { time_s = 0.5, rotate_degrees = 80, rotate_axis = [0, 1, 0] }, { time_s = 1 }]
+[[object]]
+shape = "rectangle"
+corner_m = [-9, -9, -4]
+edge_u_m = [18, 0, 0]
+edge_v_m = [0, 18, 0]
+)";
+    const auto warned = [&](const char* keys) {
+        const Outcome r = run({"trace", in("turns.toml"), "-o", in("t.exr"), "--size", "32x18",
+                               "--for-shutter", "0:1", "--keys", keys, "--json"});
+        const json warnings = json::parse(r.out)["warnings"];
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [](const json& w) { return w["code"] == "light"; });
+    };
+    EXPECT_TRUE(warned("2"));  // the light is the same at both ends
+    EXPECT_FALSE(warned("33"));
+    EXPECT_FALSE(warned("auto"));
+    EXPECT_FALSE(warned("1"));  // motionblur warns
+}
+
 TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {
     const json t = traced({});
     EXPECT_EQ(t["keys"], 1);

@@ -224,6 +224,26 @@ TEST(KeysForVisits, AKeyShowsWhatGrowsAtItsSize) {
     EXPECT_EQ(keys_of({{0, small}, {0.3, one}, {0.69, small}}), 4);  // 1 / 3
 }
 
+TEST(KeysForVisits, AKeyShowsTheInsideOfWhatTheCameraPassesThrough) {
+    const auto keys_of = [](const std::vector<TransformKey>& object,
+                            const std::vector<TransformKey>& camera) {
+        SceneBuilder b;
+        b.add(Sphere{dvec3(0), 0.5}, glowing(dvec3(1))).keys = object;
+        b.scene.cameras[0].keys = camera;
+        return keys_for_visits(b.scene, b.scene.cameras[0], {}, 0, shutter, 1);
+    };
+    const auto at = [](double time_s, double z) {
+        return TransformKey{.time_s = time_s, .translation = {0, 0, z}};
+    };
+    EXPECT_EQ(keys_of({at(0, -4)}, {at(0, 0), at(1, -3)}), 1);    // it stays outside
+    EXPECT_EQ(keys_of({at(0, -4)}, {at(0, 0), at(1, -4)}), 2);    // it ends inside
+    EXPECT_EQ(keys_of({at(0, -4)}, {at(0, 0), at(1, -8)}), 3);    // it is inside in the middle
+    EXPECT_EQ(keys_of({at(0, -4), at(1, 4)}, {}), 3);             // the object moves instead
+    EXPECT_EQ(keys_of({at(0, 0)}, {at(0, 0), at(1, 4)}), 2);      // it starts inside, and sees it from behind
+    EXPECT_EQ(keys_of({at(0, 0)}, {at(0, 0), at(1, 0.4)}), 1);    // it stays inside
+    EXPECT_EQ(keys_of({at(0, -0.2)}, {at(0, 0), at(1, -4)}), 1);  // it leaves forwards
+}
+
 TEST(AutomaticKeys, FollowObjectsLightAndCamera) {
     const auto keys_of = [](const Scene& s) { return automatic_keys(s, s.cameras[0], {}, 0, shutter, {}); };
     const KeyCount turns = keys_of(turning_box(60, {0, 1, 0}).scene);

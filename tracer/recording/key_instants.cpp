@@ -117,6 +117,16 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
+// Returns whether a part of a box is in front of the camera. `box` is the box before the motion `pose`.
+bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
+    for (int k = 0; k < 8; ++k) {
+        const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,
+                           (k & 4) != 0 ? box.max.z : box.min.z);
+        if (glm::dot(pose.point(corner) - camera.position, camera.forward) > 0) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter) {
@@ -168,31 +178,49 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         cameras.emplace_back(camera, instants_s.back(), overrides);
     }
     std::vector<TimeSpan> visits;
+    // Adds every span of successive instants i for which `holds(i)` is true.
+    const auto add_spans = [&](const auto& holds) {
+        bool before = false;
+        for (std::size_t i = 0; i < instants_s.size(); ++i) {
+            const bool now = holds(i);
+            if (now && !before) visits.push_back({instants_s[i], instants_s[i]});
+            if (now) visits.back().close_s = instants_s[i];
+            before = now;
+        }
+    };
+    const bool camera_moves = MotionPath(camera.keys).moves(shutter.open_s, shutter.close_s);
     for (const Object& o : scene.objects) {
         throw_if_interrupted();
         const MotionPath path(o.keys);
-        if (!path.moves(shutter.open_s, shutter.close_s)) continue;
+        const bool object_moves = path.moves(shutter.open_s, shutter.close_s);
+        if (!object_moves && !camera_moves) continue;
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
         // Scale factors of the object along its own axes at each instant, given by its keyframes. They are 0
         // while the object is out of view.
         std::vector<dvec3> sizes;
+        std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
             const MotionPath::Pose pose = path.at(instants_s[i]);
             const bool in_view = may_see(cameras[i], pose, 0.5 * (box.min + box.max), radius_m);
             sizes.push_back(in_view ? glm::abs(pose.scale) : dvec3(0));
             largest = glm::max(largest, sizes.back());
+            surrounds.push_back(inside(box, pose.unmoved_point(cameras[i].position)));
         }
-        bool before = false;
-        for (std::size_t i = 0; i < instants_s.size(); ++i) {
-            const bool now =
-                sizes[i] != dvec3(0) && glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
-            if (now && !before) visits.push_back({instants_s[i], instants_s[i]});
-            if (now) visits.back().close_s = instants_s[i];
-            before = now;
+        if (object_moves) {
+            add_spans([&](std::size_t i) {
+                return sizes[i] != dvec3(0) &&
+                       glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
+            });
         }
+        // The camera sees other surfaces from inside an object than from outside.
+        if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
+        add_spans([&](std::size_t i) { return surrounds[i]; });
+        add_spans([&](std::size_t i) {
+            return !surrounds[i] && sizes[i] != dvec3(0) && is_ahead(cameras[i], path.at(instants_s[i]), box);
+        });
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });

@@ -48,8 +48,8 @@ struct KeyCount {
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
 /// Returns the number of keys (recorded instants) that the scene needs. Four things require keys: turning
-/// objects (one key per `degrees_per_key`), a panning camera, objects that are in view or large only for a
-/// short time, and changing light.
+/// objects (one key per `degrees_per_key`), a panning camera, objects that are in view, large or around the
+/// camera only for a short time, and changing light.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
