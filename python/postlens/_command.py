@@ -22,6 +22,8 @@ Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
 _repeated = {"behind", "holdout", "keep_sharp"}  #: options that may be given several times, with one value each
+#: options without a value
+_flags = {"breathing", "force", "for_rays", "halves", "plan", "predict", "salvage", "strict"}
 _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
 
 
@@ -34,10 +36,16 @@ def option_name(keyword: str) -> str:
     return "--" + keyword.replace("_", "-")
 
 
+def shown(value: object) -> str:
+    """Returns a value as error messages show it: in one line of at most 80 characters."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
 def whole(what: str, text: str) -> str:
     """Returns the text unchanged. Raises ArgumentError if it contains a NUL, where the commands would end the text."""
     if "\0" in text:
-        raise ArgumentError(f"{what}: contains a NUL (got {text!r}; expected none)")
+        raise ArgumentError(f"{what}: contains a NUL (got {shown(text)}; expected none)")
     return text
 
 
@@ -46,10 +54,12 @@ def _text(keyword: str, value: object) -> str:
         return whole(keyword, value)
     if isinstance(value, os.PathLike):
         return whole(keyword, os.fsdecode(value))
-    if isinstance(value, numbers.Integral):
-        return str(int(value))
-    if isinstance(value, numbers.Real):
-        return repr(float(value))
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            raise ArgumentError(f"{keyword}: too large (expected at most {sys.float_info.max:.2g})") from None
+        return str(int(value)) if isinstance(value, numbers.Integral) else repr(number)
     if isinstance(value, np.ndarray) and value.ndim < 2:
         return _text(keyword, value.tolist())
     if isinstance(value, (tuple, list)):
@@ -60,21 +70,17 @@ def _text(keyword: str, value: object) -> str:
 
 
 def words_of(options: Mapping[str, object]) -> list[str]:
-    """Converts keyword arguments to words of the command line. The values None and False yield no words. True yields a
-    flag without a value.
-
-    Flags come last. Otherwise an option that needs a value could take another word for its value.
-    """
+    """Converts keyword arguments to words of the command line. None yields no word, and neither does a flag that is
+    False."""
     words: list[str] = []
-    flags: list[str] = []
     for keyword, value in options.items():
-        if isinstance(value, np.bool_):
-            value = bool(value)
-        if value is None or value is False:
+        if value is None:
             continue
         name = option_name(keyword)
-        if value is True:
-            flags.append(name)
+        if keyword in _flags:
+            if not isinstance(value, (bool, np.bool_)):
+                raise ArgumentError(f"{keyword}: wrong type (got {shown(value)}; expected True or False)")
+            words += [name] if value else []
         elif isinstance(value, Mapping):
             words += [f"{name}={k}={_text(keyword, v)}" for k, v in value.items()]
         elif keyword in _repeated and isinstance(value, (list, tuple)):
@@ -82,9 +88,9 @@ def words_of(options: Mapping[str, object]) -> list[str]:
         else:
             text = _text(keyword, value)
             if not text:
-                raise ArgumentError(f"{keyword}: empty (got {value!r}; expected a value, or None)")
+                raise ArgumentError(f"{keyword}: empty (got {shown(value)}; expected a value, or None)")
             words.append(f"{name}={text}")
-    return words + flags
+    return words
 
 
 def path_text(what: str, path: object) -> str:
@@ -92,7 +98,7 @@ def path_text(what: str, path: object) -> str:
         raise ArgumentError(f"{what}: wrong type (got {type(path).__name__}; expected a path)")
     text = os.fspath(path)
     if not isinstance(text, str) or not text:
-        raise ArgumentError(f"{what}: no path (got {path!r}; expected the name of a file)")
+        raise ArgumentError(f"{what}: no path (got {shown(path)}; expected the name of a file)")
     whole(what, text)
     return os.path.join(".", text) if text.startswith("-") else text  # a leading '-' would look like an option
 
@@ -141,7 +147,7 @@ def run_words(
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
     if isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 0 <= threads <= 4096:
-        raise ArgumentError(f"threads: out of range (got {threads!r}; expected 0 to 4096)")
+        raise ArgumentError(f"threads: out of range (got {shown(threads)}; expected 0 to 4096)")
     if options is not None:
         words = words + words_of(options)
 

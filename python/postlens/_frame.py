@@ -7,10 +7,10 @@ import numbers
 import os
 import tempfile
 import weakref
-from typing import Any, Iterator, Mapping, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, Mapping, Optional, Sequence, Union
 
 from . import _postlens
-from ._command import PathLike, Progress, Report, path_text, run_words, words_of
+from ._command import PathLike, Progress, Report, path_text, run_words, shown, words_of
 from ._errors import ArgumentError, InputError
 from ._picture import Picture
 
@@ -277,18 +277,21 @@ class Frame:
         The records stay in memory between pictures. Other options are those of focus(), or those of shoot() if a
         shutter is given. Picture.geometry contains the settings of each picture.
         """
-        if isinstance(shutter, tuple) and len(shutter) == 2 and not isinstance(shutter[0], (tuple, list)):
-            shutter = [shutter]  # type: ignore[list-item]
         axes: dict[str, Sequence[Any]] = {}
-        for name, values in (
-            ("f_number", f_number), ("focus_m", focus_m), ("focal_length_mm", focal_length_mm),
-            ("impulse", impulse), ("shutter", shutter),
-        ):  # fmt: skip
+        given: dict[str, Any] = {
+            "f_number": f_number, "focus_m": focus_m, "focal_length_mm": focal_length_mm, "impulse": impulse,
+            "shutter": shutter,
+        }  # fmt: skip
+        for name, values in given.items():
             if values is None:
                 continue
-            axes[name] = [values] if isinstance(values, (int, float, str, numbers.Real)) else list(values)
+            one = isinstance(values, (str, bytes, os.PathLike)) or not isinstance(values, Iterable)
+            # A numpy array of a single number is Iterable, but has no items.
+            axes[name] = [values] if one or getattr(values, "ndim", 1) == 0 else list(values)
             if not axes[name]:
                 raise ArgumentError(f"{name}: no values (got an empty sequence; expected one or more)")
+            if name == "shutter" and all(isinstance(v, numbers.Real) for v in axes[name]):
+                axes[name] = [axes[name]]  # one pair (open, close)
         make: Any = self.focus if shutter is None else self.shoot
 
         def pictures() -> Iterator[Picture]:
@@ -303,7 +306,7 @@ class Frame:
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, numbers.Integral) or not 0 <= key < 2**31:
-            raise ArgumentError(f"key: out of range (got {key!r}; expected 0 or more)")
+            raise ArgumentError(f"key: out of range (got {shown(key)}; expected 0 or more)")
         self._check_file()
         return _postlens.read_records(self._path, int(key), self._salvage)
 

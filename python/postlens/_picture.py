@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _postlens
-from ._command import PathLike, Report, path_text, run_words
+from ._command import PathLike, Report, path_text, run_words, shown
 from ._errors import ArgumentError
 
 Array = npt.NDArray[np.float32]
@@ -97,16 +97,21 @@ class Picture:
 
         If writing fails, no incomplete file remains.
         """
+        _postlens.write_picture(path_text("path", path), pixels_of("array", self.array), self._stops())
+
+    def _stops(self) -> Optional[float]:
         stops = self.exposure_stops
-        if stops is not None and not (isinstance(stops, numbers.Real) and -100 <= stops <= 100):
-            raise ArgumentError(f"exposure_stops: out of range (got {stops!r}; expected -100 to 100, or None)")
-        _postlens.write_picture(path_text("path", path), pixels_of("array", self.array), stops)
+        if stops is None:
+            return None
+        if isinstance(stops, bool) or not isinstance(stops, numbers.Real) or not -100 <= stops <= 100:
+            raise ArgumentError(f"exposure_stops: out of range (got {shown(stops)}; expected -100 to 100, or None)")
+        return float(stops)
 
     def __array__(self, dtype: Any = None) -> npt.NDArray[Any]:
         return self.array if dtype is None else self.array.astype(dtype)
 
     def _repr_png_(self) -> bytes:
-        return _postlens.png(pixels_of("array", self.array), self.exposure_stops)
+        return _postlens.png(pixels_of("array", self.array), self._stops())
 
     def __repr__(self) -> str:
         height, width = self.array.shape[:2]
@@ -137,9 +142,7 @@ class _AsFiles:
     def path(self, what: str, picture: object) -> str:
         if isinstance(picture, (str, os.PathLike)):
             return path_text(what, picture)
-        stops: Optional[float] = 0.0
-        if isinstance(picture, Picture):
-            stops = picture.exposure_stops
+        stops = picture._stops() if isinstance(picture, Picture) else 0.0
         pixels = pixels_of(what, picture)
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="postlens-")
