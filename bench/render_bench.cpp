@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 
+#include "bench/mesh_scene.h"
 #include "core/threads.h"
 #include "tracer/distributed/lens_camera.h"
 #include "tracer/render.h"
@@ -26,42 +27,6 @@ namespace fs = std::filesystem;
 fs::path from_environment(const char* variable, const std::string& file) {
     const char* folder = std::getenv(variable);
     return fs::path(folder != nullptr ? folder : ".") / file;
-}
-
-// A scene with a bumpy ball of a million triangles that fills most of the frame. If `moving`, it turns by
-// 10 degrees.
-Scene mesh_scene(bool moving) {
-    auto mesh = std::make_shared<Mesh>();
-    const int rings = 500, sectors = 2 * rings;
-    for (int i = 0; i <= rings; ++i) {
-        for (int k = 0; k <= sectors; ++k) {
-            const double a = 3.14159265358979 * i / rings, b = 2 * 3.14159265358979 * k / sectors;
-            const double r = 1 + 0.02 * std::sin(40 * a) * std::sin(40 * b);
-            mesh->positions.emplace_back(r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b),
-                                         r * std::cos(a));
-        }
-    }
-    for (int i = 0; i < rings; ++i) {
-        for (int k = 0; k < sectors; ++k) {
-            const auto p = static_cast<unsigned>(i * (sectors + 1) + k),
-                       q = p + static_cast<unsigned>(sectors) + 1;
-            mesh->triangles.emplace_back(p, q, p + 1);
-            mesh->triangles.emplace_back(p + 1, q, q + 1);
-        }
-    }
-    Scene scene;
-    scene.name = "mesh";
-    scene.materials.emplace_back();
-    Object o;
-    o.id = 1;
-    o.shape = std::shared_ptr<const Mesh>(mesh);
-    if (moving) o.keys = {{0}, {1, {0.1, 0, 0}, glm::angleAxis(glm::radians(10.0), glm::dvec3(0, 0, 1))}};
-    scene.objects.push_back(o);
-    Camera c;
-    c.position = {0, 0, 4};
-    c.horizontal_fov_degrees = 45;
-    scene.cameras.push_back(c);
-    return scene;
 }
 
 constexpr int width = 960, height = 540, spp = 16, tile = 8;
@@ -122,8 +87,12 @@ Prepared& prepared(const std::string& name) {
     if (name == "balls") {
         p = std::make_unique<Prepared>(read_scene(from_environment("POSTLENS_SPD", "balls.nff")), 0.05, 2.5);
     } else {
-        p = std::make_unique<Prepared>(mesh_scene(name == "moving_mesh"), name == "pinhole_mesh" ? 0.0 : 0.05,
-                                       3);
+        Scene scene = mesh_scene(1'000'000);
+        if (name == "moving_mesh") {
+            scene.objects[0].keys = {
+                {0}, {1, {0.1, 0, 0}, glm::angleAxis(glm::radians(10.0), glm::dvec3(0, 0, 1))}};
+        }
+        p = std::make_unique<Prepared>(std::move(scene), name == "pinhole_mesh" ? 0.0 : 0.05, 3);
     }
     return *p;
 }
