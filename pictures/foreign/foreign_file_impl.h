@@ -10,6 +10,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "core/error.h"
@@ -35,12 +36,15 @@ inline constexpr std::uint64_t densest = 4096;
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 
-/// Calls the OpenEXR library and converts its exceptions to Error.
+/// Calls the OpenEXR library and converts its exceptions to Error. A thread that cannot be started is no
+/// fault of the file, so its exception is passed on.
 template <typename Call>
 auto guarded(const std::string& name, const Call& call) {
     try {
         return call();
     } catch (const Error&) {
+        throw;
+    } catch (const std::system_error&) {
         throw;
     } catch (const std::bad_alloc&) {
         fail(ExitCode::out_of_memory, "{}: not enough memory to read it", name);

@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 #include <map>
 #include <string>
+#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/job.h"
-#include "pictures/foreign/foreign_file.h"
+#include "pictures/foreign/foreign_file_impl.h"
 #include "pictures/image.h"
 #include "tests/pictures/foreign_files.h"
 
@@ -29,6 +30,14 @@ TEST_F(ForeignPictureTest, PlainColourAndDepth) {
     EXPECT_EQ(s.alpha, 1);
     EXPECT_EQ(s.inverse_z, 0.25F);
     EXPECT_EQ(p.depth_at(2.5, 1.5), 4);
+}
+
+// A file is not damaged because the system refuses the thread that reads it.
+TEST(Foreign, AMissingThreadIsNoDamage) {
+    const auto no_thread = [] {
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+    };
+    EXPECT_THROW(foreign::guarded("a.exr", no_thread), std::system_error);
 }
 
 TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
