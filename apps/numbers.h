@@ -26,7 +26,7 @@ struct OptionRange {
 };
 inline constexpr OptionRange any_value{}, above_0{.low = 0, .includes_low = false}, from_0{.low = 0};
 inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .high = 80},
-                             wave_lengths_nm{.low = 100, .high = 1e5}, units_m{.low = 1e-9, .high = 1e9};
+                             units_m{.low = 1e-9, .high = 1e9};
 
 /// Throws Error(wrong_arguments) if `value` is out of range. The message names the option and quotes `text`,
 /// the value as typed by the user.

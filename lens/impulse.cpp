@@ -8,9 +8,6 @@
 namespace postlens {
 namespace {
 
-constexpr const char* expected_words =
-    "disc, polygon:BLADES[:DEG[:ROUNDNESS]], diffraction[:NM[,NM...]], image:FILE or lens:PRESCRIPTION";
-
 std::vector<std::string> split(const std::string& text, char at) {
     std::vector<std::string> out;
     std::size_t begin = 0;
@@ -52,7 +49,7 @@ Impulse polygon(const std::string& option, const std::string& text) {
 
 }  // namespace
 
-Impulse parse_impulse(const std::string& option, const std::string& text) {
+Impulse parse_impulse(const std::string& option, const std::string& text, bool real_lenses) {
     const std::size_t colon = text.find(':');
     const std::string word = text.substr(0, colon);
     const bool has_rest = colon != std::string::npos;
@@ -68,10 +65,12 @@ Impulse parse_impulse(const std::string& option, const std::string& text) {
         }
         return out;
     }
-    if ((word == "image" || word == "lens") && !rest.empty())
-        return {.kind = word == "image" ? ImpulseKind::picture : ImpulseKind::lens, .file = rest};
-    fail(ExitCode::wrong_arguments, "{}: unknown impulse response (got {}; expected {})", option, text,
-         expected_words);
+    if (word == "image" && !rest.empty()) return {.kind = ImpulseKind::picture, .file = rest};
+    if (word == "lens" && !rest.empty() && real_lenses) return {.kind = ImpulseKind::lens, .file = rest};
+    fail(ExitCode::wrong_arguments,
+         "{}: unknown impulse response (got {}; expected disc, polygon:BLADES[:DEG[:ROUNDNESS]], "
+         "diffraction[:NM[,NM...]]{} image:FILE{})",
+         option, text, real_lenses ? "," : " or", real_lenses ? " or lens:PRESCRIPTION" : "");
 }
 
 std::string file_of_impulse(const std::string& text) {

@@ -17,7 +17,7 @@ enum class ImpulseKind {
 };
 
 /// Limits of accepted wavelengths, nm.
-inline constexpr double shortest_wavelength_nm = 100, longest_wavelength_nm = 20000;
+inline constexpr double shortest_wavelength_nm = 100, longest_wavelength_nm = 1e5;
 
 /// Settings of the options `--impulse`, `--squeeze`, `--cats-eye` and `--spherical`.
 struct Impulse {
@@ -36,8 +36,10 @@ struct Impulse {
 
 /// Parses an impulse response that is written in one of these forms: disc | polygon:BLADES[:DEG[:ROUNDNESS]]
 /// | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION. Throws Error(wrong_arguments) with a message
-/// that begins with `option`, the name of the option.
-[[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text);
+/// that begins with `option`, the name of the option. Unless `real_lenses` is set, lens:PRESCRIPTION is not
+/// accepted.
+[[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text,
+                                    bool real_lenses = true);
 
 /// Returns the name of the file that an impulse response reads, or an empty string if it reads none. `text`
 /// is the argument of `--impulse`.

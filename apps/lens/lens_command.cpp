@@ -36,6 +36,14 @@ CommandResult answer(const LensCommandOptions& o, double coc_mm) {
 
 }  // namespace
 
+void check_depth(std::string_view option, double depth_m, const TracedLens& lens) {
+    const double nearest_m = lens.pinhole_from_vertex_mm() * 1e-3;
+    if (depth_m > nearest_m) return;
+    fail(ExitCode::wrong_arguments,
+         "{}: within the lens (got {} m; expected more than {:.6g} m, where the first surface is)", option,
+         depth_m, nearest_m);
+}
+
 CommandResult run_lens_coc(const LensCommandOptions& options) {
     const ThinLens lens = checked_lens(options);
     if (!options.depth_m) fail(ExitCode::wrong_arguments, "--depth: missing (got nothing; expected metres)");

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,10 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_show(const LensShowOptions& options);
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
+
+/// Throws Error(wrong_arguments) if a depth, which is measured from the pinhole, lies within the lens.
+/// `option` names the option that states the depth.
+void check_depth(std::string_view option, double depth_m, const TracedLens& lens);
 
 /// Returns the settings of a lens through which rays are traced. If `focus_m` is absent, the lens is focused
 /// at the distance that the prescription states, or at infinity if it states none.

@@ -31,19 +31,18 @@ nlohmann::ordered_json polynomial_json(const PolynomialLens& p) {
 }  // namespace
 
 CommandResult run_lens_fit(const LensFitOptions& o) {
-    in_range("--tolerance-px", o.tolerance_px, 0, false, "more than 0 px");
-    in_range("--pixel-pitch", o.pixel_pitch_um, 0, false, "more than 0 um");
-    in_range("--field", o.field_mm, 0, true, "0 mm or more");
-    if (o.samples < 3 || o.samples > 64) {
-        fail(ExitCode::wrong_arguments, "--samples: out of range (got {}; expected 3 to 64)", o.samples);
-    }
     CommandResult out;
     const Prescription lens = read_lens(o.lens.input, out.warnings);
     const TracedLens traced(lens, traced_lens_settings(o.lens, std::max(o.field_mm, 1e-3)));
-    const LensModelRange range =
-        lens_model_range(traced, o.depths_m.first, o.depths_m.second, o.field_mm, o.samples);
+    check_depth("--depths", o.depths_m.first, traced);
+    const auto range_of = [&](int samples) {
+        return lens_model_range(traced, o.depths_m.first, o.depths_m.second, o.field_mm, samples);
+    };
     LensModels models(lens, traced);
-    const PolynomialLens polynomial = fit_polynomial_lens(lens, traced, range);
+    const PolynomialLens polynomial = fit_polynomial_lens(lens, traced, range_of(o.samples));
+    // Errors are measured halfway between the fitted samples as well, where a fit of few samples can be
+    // worse.
+    const LensModelRange range = range_of(2 * o.samples - 1);
     models.set_polynomial(polynomial);
     const double px_per_mm = 1000 / o.pixel_pitch_um;
     nlohmann::ordered_json table = nlohmann::ordered_json::array();

@@ -73,10 +73,6 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     if (o.output) check_drawing_path(*o.output);
     CommandResult out;
     const Prescription lens = read_lens(o.lens.input, out.warnings);
-    if (o.lens.wavelength_nm && !(*o.lens.wavelength_nm >= 100 && *o.lens.wavelength_nm <= 1e5)) {
-        fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected 100 to 100000)",
-             *o.lens.wavelength_nm);
-    }
     const double nm = o.lens.wavelength_nm.value_or(lens.wavelength_nm);
     FirstOrder f = first_order(lens, nm);
     const double film_radius =

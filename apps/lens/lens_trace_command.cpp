@@ -195,12 +195,6 @@ void write_impulse(const std::string& path, const TracedLens& traced, double dep
 }  // namespace
 
 CommandResult run_lens_trace(const LensTraceOptions& o) {
-    in_range("--film-width", o.film_width_mm, 0, false, "more than 0 mm");
-    in_range("--pixel-pitch", o.pixel_pitch_um, 0, false, "more than 0 um");
-    if (o.depth_m) in_range("--depth", *o.depth_m, 0, false, "more than 0 m");
-    if (o.rays < 3 || o.rays > 1025) {
-        fail(ExitCode::wrong_arguments, "--rays: out of range (got {}; expected 3 to 1025)", o.rays);
-    }
     for (const double deg : o.fields_deg) {
         if (!(std::abs(deg) <= 89)) {
             fail(ExitCode::wrong_arguments, "--fields: out of range (got {} degrees; expected -89 to 89)",
@@ -214,6 +208,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     const Prescription lens = read_lens(o.lens.input, out.warnings);
     const TracedLens traced(lens, traced_lens_settings(o.lens, 0.5 * o.film_width_mm));
     const double depth = o.depth_m.value_or(o.lens.focus_m.value_or(HUGE_VAL));
+    check_depth(o.depth_m ? "--depth" : "--focus", depth, traced);
     std::vector<double> degs = o.fields_deg;
     if (degs.empty()) {
         const double edge =

@@ -14,7 +14,9 @@
 namespace postlens {
 namespace {
 
-/// One of the alternative tasks of a command such as `lens fit`, with the options that apply to this task.
+constexpr OptionRange wavelengths_nm{.low = shortest_wavelength_nm, .high = longest_wavelength_nm};
+
+/// One of the alternative tasks of a command such as `lens fit`, and the options that this task uses.
 struct Task {
     std::string_view name;
     std::vector<std::string_view> uses;
@@ -40,7 +42,7 @@ const std::array<Task, 2> psf_tasks{
     {{"--crossover", {"--focal-length", "--focus", "--depth", "--wavelength", "--pixel-pitch", "--profile"}},
      {"a picture OUT.exr",
       {"output", "--focal-length", "--f-number", "--focus", "--depth", "--wavelength", "--pixel-pitch",
-       "--size", "--impulse", "--squeeze", "--cats-eye", "--spherical", "--profile"}}}};
+       "--size", "--impulse", "--squeeze", "--spherical", "--profile"}}}};
 
 const std::array<Task, 4> fit_tasks{
     {{"a prescription",
@@ -87,12 +89,11 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     number(app, "--f-number", o->f_number, "Aperture number n; inf: pinhole", "N", f_numbers, true);
     number(app, "--focus", o->focus_m, "Focus distance s, beyond F", "M", above_0, true);
     number(app, "--depth", o->depth_m, "Depth z' of the point", "M", above_0, true);
-    number(app, "--wavelength", o->wavelength_nm, "Wavelength [default: 550]", "NM",
-           {.low = shortest_wavelength_nm, .high = longest_wavelength_nm});
+    number(app, "--wavelength", o->wavelength_nm, "Wavelength [default: 550]", "NM", wavelengths_nm);
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM", above_0);
     whole(app, "--size", o->size_px, "Width and height; 0: what holds 99% of the energy, at most 1025", "PX",
           {.low = 0, .high = 16384});
-    impulse_options(app, o->impulse, false);
+    impulse_options(app, o->impulse, true);
     writes(app.add_option(
                "--profile", o->profile,
                "Also write a table: radius, v, intensity, encircled energy; with --crossover: f-number, Airy "
@@ -118,7 +119,7 @@ void prescription_options(CLI::App& app, PrescriptionOptions& o, bool required =
            "Focus distance from the entrance pupil [default: the film as the file has it, else "
            "infinity]",
            "M", above_0, true);
-    number(app, "--wavelength", o.wavelength_nm, "Wavelength [default: the file's]", "NM", wave_lengths_nm);
+    number(app, "--wavelength", o.wavelength_nm, "Wavelength [default: the file's]", "NM", wavelengths_nm);
     choice(app, "--focus-by", o.criterion,
            "What is sharp: rays near the axis, or the spot of least RMS radius",
            {{"paraxial", FocusCriterion::paraxial}, {"rms", FocusCriterion::rms_spot}});
@@ -194,7 +195,9 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
            above_0);
     number(app, "--pixel-pitch", o->pixel_pitch_um,
            "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM", above_0);
-    whole(app, "--samples", o->samples, "Depths and fields that are compared", "N", {.low = 3, .high = 64});
+    whole(app, "--samples", o->samples,
+          "Depths and fields that the polynomial is fitted to; errors are measured between them as well", "N",
+          {.low = 4, .high = 64});
     common_options(app, common);
     app.callback([&app, &common, o, limits] {
         const std::array given{!o->lens.input.empty(), limits->pairs.has_value(), limits->sharp.has_value(),

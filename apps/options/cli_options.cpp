@@ -160,11 +160,11 @@ void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
         "Film at V = F s / (s - F): the view breathes with the focus, as in the 1981 paper");
 }
 
-void impulse_options(CLI::App& app, Impulse& to, bool real_lenses) {
+void impulse_options(CLI::App& app, Impulse& to, bool on_axis) {
     reads_of_impulse(app.add_option_function<std::string>(
                          "--impulse",
-                         [&to](const std::string& text) {
-                             const Impulse kind = parse_impulse("--impulse", text);
+                         [&to, on_axis](const std::string& text) {
+                             const Impulse kind = parse_impulse("--impulse", text, !on_axis);
                              to.kind = kind.kind;
                              to.blades = kind.blades;
                              to.rotation_deg = kind.rotation_deg;
@@ -177,13 +177,16 @@ void impulse_options(CLI::App& app, Impulse& to, bool real_lenses) {
                                      "corner at DEG from the right towards the bottom, roundness 0 to 1; "
                                      "image:FILE, the aperture as a "
                                      "picture; diffraction[:NM[,NM...]]{} [default: disc]",
-                                     real_lenses ? "; lens:PRESCRIPTION" : "")))
+                                     on_axis ? "" : "; lens:PRESCRIPTION")))
         ->type_name("KIND");
     number(app, "--squeeze", to.squeeze, "The aperture is so many times as tall as wide", "X",
            {.low = 0.1, .high = 10});
-    number(app, "--cats-eye", to.cats_eye,
-           "Mechanical vignetting: a second rim, shifted by X of the lens's radius at the picture's corner",
-           "X", {.low = 0, .high = 1.5});
+    if (!on_axis) {
+        number(app, "--cats-eye", to.cats_eye,
+               "Mechanical vignetting: a second rim, shifted by X of the lens's radius at the picture's "
+               "corner",
+               "X", {.low = 0, .high = 1.5});
+    }
     number(app, "--spherical", to.spherical,
            "Spherical aberration: the rim of the lens is focused X dioptres nearer than its middle", "X",
            {.low = -10, .high = 10});

@@ -63,9 +63,9 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. If `real_lenses` is set, the help text
-/// mentions lens prescriptions.
-void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
+/// Adds --impulse and the other options of the impulse response. If it is `on_axis`, which is that of a thin
+/// lens for a point on the axis, lens prescriptions and --cats-eye are left out.
+void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
 /// These functions add options for reading images of other programs.

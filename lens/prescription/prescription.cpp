@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/fingerprint.h"
+#include "lens/impulse.h"
 
 namespace postlens {
 namespace {
@@ -190,9 +191,9 @@ void check_prescription(const Prescription& lens) {
         fail(ExitCode::invalid_input, "{}: too many surfaces (got {}; expected 1 to {})", lens.file,
              lens.surfaces.size(), most_surfaces);
     }
-    if (!(lens.wavelength_nm >= 100 && lens.wavelength_nm <= 1e5)) {
-        fail(ExitCode::invalid_input, "{}: wavelength out of range (got {} nm; expected 100 to 100000)",
-             lens.file, lens.wavelength_nm);
+    if (!(lens.wavelength_nm >= shortest_wavelength_nm && lens.wavelength_nm <= longest_wavelength_nm)) {
+        fail(ExitCode::invalid_input, "{}: wavelength out of range (got {} nm; expected {} to {})", lens.file,
+             lens.wavelength_nm, shortest_wavelength_nm, longest_wavelength_nm);
     }
     for (std::size_t i = 0; i < lens.surfaces.size(); ++i) check_surface(lens, i);
     check_stop(lens);

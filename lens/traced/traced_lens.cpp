@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/job.h"
+#include "lens/impulse.h"
 #include "lens/traced/meridional_rotation.h"
 
 namespace postlens {
@@ -36,8 +37,9 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
 
 double checked_wavelength(const Prescription& lens, const TracedLensSettings& settings) {
     const double nm = settings.wavelength_nm.value_or(lens.wavelength_nm);
-    if (!(nm >= 100 && nm <= 1e5)) {
-        fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected 100 to 100000)", nm);
+    if (!(nm >= shortest_wavelength_nm && nm <= longest_wavelength_nm)) {
+        fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected {} to {})", nm,
+             shortest_wavelength_nm, longest_wavelength_nm);
     }
     return nm;
 }

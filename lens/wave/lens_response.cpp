@@ -30,12 +30,6 @@ void check(const LensResponseRequest& request) {
              impulse_text(request.impulse));
     }
     check_impulse(request.impulse);
-    if (request.impulse.cats_eye != 0) {
-        fail(
-            ExitCode::wrong_arguments,
-            "--cats-eye: the point lies on the axis, where the second rim hides nothing (got {}; expected 0)",
-            request.impulse.cats_eye);
-    }
     if (request.focus_distance_m <= request.lens.focal_length_mm * metres_per_mm) {
         fail(ExitCode::wrong_arguments,
              "focus distance lies within the focal length, where the lens forms no real image (got {} m; "
@@ -247,8 +241,7 @@ LensResponse lens_response(const LensResponseRequest& request) {
     out.v_per_px = mean.v_per_px;
     out.airy_diameter_px = 2 * airy_first_zero / out.v_per_px;
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
-                            request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
-                            request.impulse.spherical == 0;
+                            request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
     // Spherical aberration X (in 1/m) adds X rho^2 to the defocus 1/s - 1/z of light through the lens at rho
     // lens radii from its centre. spherical_px is the displacement that this causes at the rim: X times image

@@ -48,7 +48,6 @@ def psf(
     size_px: Optional[int] = None,
     impulse: Optional[str] = None,
     squeeze: Optional[float] = None,
-    cats_eye: Optional[float] = None,
     spherical: Optional[float] = None,
 ) -> Picture:
     """Returns the impulse response, which is the image of one scene point. Its values are the energy per pixel, and are

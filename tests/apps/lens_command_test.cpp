@@ -136,6 +136,7 @@ TEST_F(LensCommand, FitPicksTheCheapest) {
     EXPECT_EQ(loose["picked"], "thin");
     EXPECT_EQ(tight["picked"], "traced");
     ASSERT_EQ(loose["models"].size(), 4U);
+    EXPECT_EQ(loose["depths_m"].size(), 7U);  // the four of the fit, and three between them
     EXPECT_EQ(loose["models"][3]["error_px"], 0);
     EXPECT_LT(loose["models"][2]["error_px"], loose["models"][1]["error_px"]);
     EXPECT_EQ(loose["polynomial"]["x_mm"].size(), 26U);
@@ -170,6 +171,12 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
     refused({"lens", "trace", sample_, "--impulse", in("i.png")}, wrong, "responses are written as OpenEXR");
     refused({"lens", "fit", sample_, "--depths", "2:1"}, wrong, "--depths");
     refused({"lens", "fit", sample_, "--depths", "2"}, wrong, "--depths");
+    // The entrance pupil, from which depths are measured, is 57.9 mm behind the first surface.
+    refused({"lens", "fit", sample_, "--depths", "0.03:1"}, wrong, "--depths: within the lens (got 0.03 m;");
+    refused({"lens", "trace", sample_, "--depth", "0.03"}, wrong, "expected more than 0.0579");
+    EXPECT_EQ(run({"lens", "trace", sample_, "--depth", "0.06"}).exit_code, 0);
+    // A polynomial with terms up to the fifth power of the field needs three fields off the axis.
+    refused({"lens", "fit", sample_, "--samples", "3"}, wrong, "--samples: out of range");
     refused({"lens", "fit", sample_, "--tolerance-px", "0"}, wrong, "--tolerance-px");
     refused({"lens", "fit", sample_, "--field", "900"}, wrong, "--field: no chief ray");
     // An aperture of a picometre, which no ray passes.

@@ -143,14 +143,13 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
                                               {"--size", "16385", "size"},
                                               {"--size", "2.5", "--size"},
                                               {"--impulse", "gauss", "--impulse"},
-                                              {"--impulse", "diffraction:50", "expected 100 to 20000"},
+                                              {"--impulse", "diffraction:50", "expected 100 to 100000"},
                                               {"--impulse", "diffraction:", "--impulse"}}) {
         refused(with(option, value), ExitCode::wrong_arguments, part);
     }
     refused(psf({out, "--wavelength", "550", "--impulse", "diffraction:480"}), ExitCode::wrong_arguments,
             "--wavelength");
-    refused(psf({out, "--cats-eye", "0.5"}), ExitCode::wrong_arguments,
-            "--cats-eye: the point lies on the axis");
+    refused(psf({out, "--cats-eye", "0.5"}), ExitCode::wrong_arguments, "unknown option (got --cats-eye;");
     refused(psf({in("p.png")}), ExitCode::wrong_arguments, ".exr");
     refused(psf({}), ExitCode::wrong_arguments, "OUT");
     for (const Words& unused : {Words{out},
@@ -158,7 +157,6 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
                                 {"--size", "65"},
                                 {"--impulse", "disc"},
                                 {"--squeeze", "2"},
-                                {"--cats-eye", "0.5"},
                                 {"--spherical", "1"}}) {
         const Words crossover{"lens",    "psf", "--crossover", "--focal-length", "50", "--focus", "1",
                               "--depth", "2"};
@@ -168,7 +166,8 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
     refused({"lens", "psf", out, "--f-number", "8"}, ExitCode::wrong_arguments, "--focal-length");
     refused(psf({in("missing/p.exr")}), ExitCode::cannot_write, "missing");
     refused(with("--profile", in("missing/p.csv").c_str()), ExitCode::cannot_write, "missing");
-    refused(psf({out, "--impulse", "lens:x.toml"}), ExitCode::wrong_arguments, "prescription");
+    for (const char* impulse : {"lens:x.toml", "x"})
+        refused(psf({out, "--impulse", impulse}), ExitCode::wrong_arguments, "or image:FILE)");
     refused(psf({out, "--impulse", "image:" + in("missing.png")}), ExitCode::invalid_input, "missing.png");
     refused(psf({out, "--impulse", "polygon:5", "--profile", in("p.csv")}), ExitCode::wrong_arguments,
             "--profile");
