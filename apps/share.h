@@ -66,6 +66,10 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// sweep. To join the results, `merge` runs the command again with the arguments `words`.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
+/// Returns these arguments. The result is empty if `mark` holds none, or if they are damaged. JSON holds only
+/// UTF-8, but names of files may be any bytes. In a mark, bytes that are not ASCII are therefore written as
+/// %XX, and so is %.
+[[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
 /// Limits `crop` to the rows of the share, and sets work->mark to the text by which `merge` recognises the
 /// result of the share. Does nothing if `work` is empty.

@@ -14,6 +14,7 @@
 #include "compare/drawing/error_map.h"
 #include "core/error.h"
 #include "core/files/file_identity.h"
+#include "core/files/folder.h"
 #include "core/files/output_file.h"
 #include "core/files/share_table.h"
 #include "core/json_dump.h"
@@ -183,15 +184,6 @@ class Runner {
         if (size.width == view_.width && size.height == view_.height) return;
         fail(ExitCode::invalid_input, "{}: wrong size (got {}x{}; expected {}x{})", path.string(), size.width,
              size.height, view_.width, view_.height);
-    }
-
-    static void make_folder(const fs::path& path) {
-        std::error_code error;
-        fs::create_directory(path, error);
-        if (!fs::is_directory(path)) {
-            fail(ExitCode::cannot_write, "{}: cannot make this folder ({})", path.string(),
-                 error ? error.message() : "a file is there");
-        }
     }
 
     [[nodiscard]] fs::path chart_path() const {

@@ -12,6 +12,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/files/file_identity.h"
+#include "core/files/folder.h"
 #include "core/files/output_file.h"
 #include "core/files/share_table.h"
 #include "core/progress.h"
@@ -31,17 +32,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-void make_folder(const std::filesystem::path& folder) {
-    std::error_code error;
-    std::filesystem::create_directory(folder, error);  // creates only the last folder of the path
-    if (!std::filesystem::is_directory(folder)) {
-        fail(ExitCode::cannot_write,
-             "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
-             "that is free)",
-             folder.string(), std::filesystem::exists(folder) ? "is a file" : error.message());
-    }
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
@@ -134,7 +124,7 @@ class Sweep {
     /// Keeps image `i` of an earlier run, and returns true, if its settings are equal and its file is
     /// unchanged. Also reads the image into `image`, unless `image` is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
-        const auto [begin, end] = earlier.equal_range(names_[i]);
+        const auto [begin, end] = earlier.equal_range(name_in_json(names_[i]));
         if (begin == end) return false;
         const SweepSetting& s = grid_.pictures[i];
         const std::filesystem::path path = folder_ / names_[i];
@@ -148,6 +138,7 @@ class Sweep {
         if (image != nullptr) *image = read_image(path);
         SweepRow row = found->second;
         row.setting = s;
+        row.file = names_[i];
         rows_[i] = std::move(row);
         ++out_.kept;
         return true;

@@ -115,6 +115,10 @@ std::string json_text(const SweepTable& table) {
     return json_dump(all, 1) + "\n";
 }
 
+std::string name_in_json(const std::string& name) {
+    return Json::parse(json_dump(Json(name))).get<std::string>();
+}
+
 std::map<std::string, SweepRow> rows_of_json(const std::string& text, const std::string& source) {
     std::map<std::string, SweepRow> out;
     try {

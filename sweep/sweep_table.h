@@ -48,6 +48,9 @@ struct SweepTable {
 /// Returns the table as JSON. Unknown and infinite values are written as null.
 [[nodiscard]] std::string json_text(const SweepTable& table);
 
+/// Returns a file name as it is in the table, where bytes that are not UTF-8 are replaced.
+[[nodiscard]] std::string name_in_json(const std::string& name);
+
 /// Reads the measured values and the checksums of all images from JSON that `json_text` wrote, and returns
 /// them by file name. Does not read the settings. Throws Error(invalid_input) for any other text. The error
 /// message begins with `source`.

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "apps/commands/merge_parts.h"
+#include "apps/share.h"
 #include "core/files/file_identity.h"
 #include "core/files/text_file.h"
 
@@ -27,18 +28,15 @@ PartFacts facts_of(const std::string& name) {
 /// Returns the arguments of the command that made the part, without --output. `merge` joins the parts of a
 /// `sweep` or `chart` by running the command again. Throws for parts of any other command.
 std::vector<std::string> words_in(const PartFacts& part) {
-    const Json words = part.mark.value("words", Json());
-    const bool texts = words.is_array() && !words.empty() &&
-                       std::all_of(words.begin(), words.end(), [](const Json& w) { return w.is_string(); });
-    const auto foreign = [](const Json& w) {
-        const std::string word = w.get<std::string>();
+    const std::vector<std::string> words = words_of_mark(part.mark);
+    const auto foreign = [](const std::string& word) {
         return word.starts_with("--dry-run") || word.starts_with("--share") || word.starts_with("--output") ||
                word.starts_with("-o");
     };
-    if (!texts || (words[0] != "sweep" && words[0] != "chart") ||
+    if (words.empty() || (words[0] != "sweep" && words[0] != "chart") ||
         std::any_of(words.begin(), words.end(), foreign))
         fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", part.name);
-    return words.get<std::vector<std::string>>();
+    return words;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/files/folder.h"
 #include "core/files/output_file.h"
 #include "core/files/text_file.h"
 #include "core/json_dump.h"
@@ -14,15 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t largest_text_bytes = 1U << 20U;
-
-void make_folder(const fs::path& path) {
-    std::error_code error;
-    fs::create_directory(path, error);
-    if (!fs::is_directory(path)) {
-        fail(ExitCode::cannot_write, "{}: cannot make this folder ({})", path.string(),
-             error ? error.message() : "a file is there");
-    }
-}
 
 }  // namespace
 

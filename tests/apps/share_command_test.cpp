@@ -229,8 +229,21 @@ TEST_F(ShareCommand, ItemsOfASweepMergeInTheirFolder) {
     std::ofstream(in("parts/sweep.9-of-9.json")) << "{}";
     refused({"merge", in("parts/sweep.9-of-9.json"), "-o", in("parts")}, bad, "no part");
     std::ofstream(in("parts/sweep.9-of-9.json"))
-        << R"({"part": {"share": [0, 1], "crop": null, "made_by": {}, "words": ["render", "x"]}})";
+        << R"({"part": {"share": [0, 1], "crop": null, "made_by": {}, "arguments": ["render", "x"]}})";
     refused({"merge", in("parts/sweep.9-of-9.json"), "-o", in("parts")}, bad, "damaged part");
+}
+
+TEST_F(ShareCommand, SharesOfASweepMayHaveNamesOfAnyBytes) {
+    const std::string odd = in("50%25 \xE9.exr");  // \xE9 alone is not UTF-8
+    std::filesystem::copy_file(frame(), odd);
+    const Words sweep{"sweep",    odd,       "--f-number", "4,8",           "--focus", "5",
+                      "--method", "scatter", "--frames",   "p\xE9%02d.png", "-o",      in("s")};
+    for (const std::string share : {"0/2", "1/2"}) done(sweep + Words{"--share", share});
+    const json said = done({"merge", in("s/sweep.0-of-2.json"), in("s/sweep.1-of-2.json"), "-o", in("s")});
+    EXPECT_EQ(said.at("kept"), 2);
+    EXPECT_TRUE(said.at("warnings").empty());
+    // The table of the whole sweep is read as well.
+    EXPECT_EQ(done(sweep + Words{"--resume"}).at("kept"), 2);
 }
 
 TEST_F(ShareCommand, PointsOfAChartMergeInTheirFolder) {

@@ -1,0 +1,18 @@
+#include "core/files/folder.h"
+
+#include <system_error>
+
+#include "core/error.h"
+
+namespace postlens {
+
+void make_folder(const std::filesystem::path& path) {
+    std::error_code error, none;
+    std::filesystem::create_directory(path, error);
+    if (std::filesystem::is_directory(path, none)) return;
+    fail(ExitCode::cannot_write,
+         "{}: cannot make this folder ({}; expected a folder, or a name that is free)", path.string(),
+         error ? error.message() : "a file is there");
+}
+
+}  // namespace postlens
