@@ -265,7 +265,7 @@ int sample_blocks(int shares, int spp, bool halves) {
     if (shares > blocks) {
         fail(ExitCode::wrong_arguments,
              "--share: more shares than the samples can be divided into (got {}; expected {} or less for {} "
-             "samples a pixel, or --share-by tiles)",
+             "samples a pixel, or --share-by rows)",
              shares, blocks, spp);
     }
     return blocks;

@@ -127,7 +127,7 @@ void add_render(CLI::App& root, CommandOptions& s) {
     share_option(app, s.share, "rows of the picture, or every N-th of --frames");
     choice(app, "--share-by", s.render.share_by_samples,
            "What --share divides: rows of the picture, or the samples of every pixel",
-           {{"tiles", false}, {"samples", true}});
+           {{"rows", false}, {"samples", true}});
     required_whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20});
     lens_options(app, o.lens, "the camera's");
     impulse_options(app, o.impulse);
