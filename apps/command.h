@@ -50,6 +50,9 @@ struct CommandResult {
     /// the sample file. Set only by `focus` and `shoot` with a scene, and only if they return the image.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
+    /// Work that begins after the result is reported: `view` reports its address, and then serves the viewer
+    /// until it is cancelled. Empty for most commands.
+    std::function<void()> afterwards;
 };
 
 class KeptFrame;
@@ -235,6 +238,7 @@ struct CompareCommandOptions {
     std::string image, reference;
     std::optional<std::string> pinhole, noise;     ///< further images to read
     std::optional<std::string> map, side_by_side;  ///< images to write
+    std::optional<Crop> crop;                      ///< part of the images that is compared
     std::optional<double> flip_white;
     CompareLimits limits;
     /// `map_causes` is the file name of an output image that shows the cause of each pixel's error. `frame`

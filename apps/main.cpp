@@ -45,8 +45,8 @@ void take_closed_streams() {
 void report(const CommandResult& result, const ParsedCommand& command) {
     if (command.json) {
         say(stdout, postlens::report_json(result));
-    } else if (!command.quiet) {
-        say(stdout, result.text);
+    } else if (!command.quiet || result.afterwards) {
+        say(stdout, postlens::printable_lines(result.text));
     }
     // With --json, the warnings are part of the JSON, and standard error contains only errors.
     if (!command.json && !command.quiet) {
@@ -74,6 +74,7 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     const CommandResult result = postlens::run_timed(command);
     report(result, command);
     check_output();
+    if (result.afterwards) result.afterwards();
     return static_cast<int>(result.exit_code);
 }
 

@@ -1,6 +1,7 @@
 #include "apps/run_command.h"
 
 #include <chrono>
+#include <cstdio>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -28,7 +29,13 @@ CommandResult run_command(std::vector<std::string> words, const InProcess& in_pr
         return help;
     }
     const auto lock = KeptFrame::lock(in_process.kept);
-    return run_timed(command);
+    CommandResult result = run_timed(command);
+    if (result.afterwards) {
+        std::fputs((result.text + "\n").c_str(), stdout);
+        std::fflush(stdout);
+        result.afterwards();
+    }
+    return result;
 }
 
 std::string report_json(const CommandResult& result) {

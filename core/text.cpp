@@ -78,10 +78,20 @@ std::string reason_of(std::string message) {
     return message.empty() ? "no reason given" : message;
 }
 
-std::string printable(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+std::string printable_lines(std::string text) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        // The control characters U+0080 to U+009F are two bytes in UTF-8.
+        if (byte(i) == 0xC2 && i + 1 < text.size() && byte(i + 1) >= 0x80 && byte(i + 1) < 0xA0)
+            text.replace(i, 2, 1, '?');
+        if ((byte(i) < 0x20 && text[i] != '\n') || byte(i) == 0x7F) text[i] = '?';
     }
+    return text;
+}
+
+std::string printable(std::string text) {
+    text = printable_lines(std::move(text));
+    std::replace(text.begin(), text.end(), '\n', '?');
     return text;
 }
 

@@ -24,8 +24,10 @@ namespace postlens {
 [[nodiscard]] std::string reason_of(std::string message);
 
 /// Returns a message as one line. Control characters, which can come from files and options, become question
-/// marks.
+/// marks, because a terminal may obey them.
 [[nodiscard]] std::string printable(std::string text);
+/// Does the same for a text of several lines, whose line ends are kept.
+[[nodiscard]] std::string printable_lines(std::string text);
 
 /// Formats a number with two significant digits and without an exponent: 0.12, 3.4, 56, 789. Numbers below
 /// 0.001 are rounded to three decimals.

@@ -14,6 +14,7 @@
 #include "core/checksum.h"
 #include "core/error.h"
 #include "core/files/output_file.h"
+#include "core/files/text_file.h"
 #include "core/text.h"
 #include "core/threads.h"
 #include "pictures/crop.h"
@@ -192,11 +193,7 @@ struct OpenedImage {
 
 OpenedImage open_image(const fs::path& path) {
     const std::string name = path.string();
-    std::error_code ec;
-    if (!fs::exists(path, ec)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", name);
-    if (!fs::is_regular_file(path, ec)) {
-        fail(ExitCode::invalid_input, "{}: cannot read (expected an image file)", name);
-    }
+    const std::uintmax_t bytes = check_regular_file(path);
     check_exr_headers(path);
     std::string problem;
     OpenedImage out{open_plain_picture(path)};
@@ -216,7 +213,6 @@ OpenedImage open_image(const fs::path& path) {
     out.height = has_display_window ? spec.full_height : spec.height;
     // Header sizes are compared with the size of the file, so that a damaged header does not cause a large
     // allocation. Deflate reaches a compression ratio of at most 1032.
-    const std::uint64_t bytes = fs::file_size(path, ec);
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
             static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 3 * sizeof(float);

@@ -11,6 +11,7 @@
 #include "compare/drawing/error_map.h"
 #include "core/counted.h"
 #include "motionblur/paths/paths_file.h"
+#include "pictures/crop.h"
 #include "pictures/exposure.h"
 #include "planner/error_causes.h"
 
@@ -36,6 +37,7 @@ void check_limits(const CompareLimits& limits) {
 // headers of the files.
 void check_files(const CompareCommandOptions& o) {
     const ImageSize size = read_image_size(o.reference);
+    check_crop(o.crop, size.width, size.height);
     int pictures = 2;
     const auto check = [&](const std::string& path) {
         const ImageSize got = read_image_size(path);
@@ -196,27 +198,34 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// Scales all images to one exposure: the value of --exposure, where `auto` means the automatic exposure of
-// the reference. Without the option, it is the exposure that the reference states, or else that of the tested
-// image.
+Image read_part(const std::string& path, const std::optional<Crop>& crop) {
+    Image image = read_image(path);
+    if (crop) image = cut(image, crop);
+    return image;
+}
+
+// Brings all images to the exposure of the option --exposure. The value `auto` means the automatic exposure
+// of the reference. Without the option, it is the exposure of the reference, or that of the tested image if
+// the reference states none.
 class Exposer {
   public:
-    Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
-        : stops_(asked.automatic ? auto_exposure_of(reference)
-                                 : asked.stops.value_or(
-                                       reference.exposure_stops.value_or(image.exposure_stops.value_or(0)))) {
-    }
+    Exposer(const CompareCommandOptions& o, const Image& reference, const Image& image)
+        : stops_(o.exposure.automatic ? auto_exposure_of(reference)
+                                      : o.exposure.stops.value_or(reference.exposure_stops.value_or(
+                                            image.exposure_stops.value_or(0)))),
+          crop_(o.crop) {}
     [[nodiscard]] double stops() const { return stops_; }
     // An image with unknown exposure stays unchanged.
     void bring(Image& image) const { set_exposure(image, stops_); }
     [[nodiscard]] Image read(const std::string& path) const {
-        Image image = read_image(path);
+        Image image = read_part(path, crop_);
         bring(image);
         return image;
     }
 
   private:
     double stops_;
+    std::optional<Crop> crop_;
 };
 
 // Writes an image that shows the cause of each pixel's error. Also reports which fraction of the error each
@@ -259,9 +268,9 @@ void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandR
 CommandResult compare_files(const CompareCommandOptions& o) {
     check_files(o);
     CompareInput input;
-    input.reference = read_image(o.reference);
-    input.image = read_image(o.image);
-    const Exposer exposer(o.exposure, input.reference, input.image);
+    input.reference = read_part(o.reference, o.crop);
+    input.image = read_part(o.image, o.crop);
+    const Exposer exposer(o, input.reference, input.image);
     exposer.bring(input.image);
     exposer.bring(input.reference);
     if (o.pinhole) input.pinhole = exposer.read(*o.pinhole);
@@ -308,6 +317,8 @@ CommandResult run_compare(const CompareCommandOptions& options) {
     }
     if (options.retrace.scene && !options.map_causes)
         fail(ExitCode::wrong_arguments, "--scene: goes with --map-causes (got it alone)");
+    if (options.crop && options.map_causes)
+        fail(ExitCode::wrong_arguments, "--crop: not with --map-causes (got both; expected one of them)");
     check_units(options.retrace);
     for (const auto* path : {&options.map, &options.side_by_side, &options.map_causes}) {
         if (*path) check_image_path(**path);

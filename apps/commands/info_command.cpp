@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,8 +14,6 @@
 
 namespace postlens {
 namespace {
-
-namespace fs = std::filesystem;
 
 // Returns the number of layers: one for the visible surfaces, plus one for each layer of hidden surfaces
 // behind them. It is found by reading all records, because the file does not state it.
@@ -218,9 +215,6 @@ CommandResult image_info(const std::string& input) {
 
 CommandResult run_info(const InfoOptions& options) {
     const std::string& input = options.input;
-    std::error_code error;
-    if (!fs::exists(input, error) && !error)
-        fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
     static_cast<void>(InputFile(input));  // throws if it is not a file, or cannot be read
     if (options.salvage) return sample_file_info(input, true);
     if (is_prescription(input)) return lens_info(input);

@@ -77,6 +77,7 @@ void add_compare(CLI::App& root, CommandOptions& s) {
            "With --scene: size of its unit, m [default: as the sample file was traced]", "X", units_m);
     lumens_option(app, o.retrace.lumens_per_watt, "With --scene: ");
     exposure_option(app, o.exposure, "the reference's");
+    crop_option(app, o.crop);
     reads(
         app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from"))
         ->type_name("FRAME");
@@ -156,16 +157,23 @@ void add_view(CLI::App& root, CommandOptions& s) {
         ->type_name("PAGE.html");
     number(app, "--export-mb", s.export_view.most_mb, "With --export: its greatest size", "MB", above_0);
     common_options(app, s.common);
-    app.callback([&s] {
+    app.callback([&app, &s] {
         s.view.threads = s.common.threads;
         s.export_view.input = s.view.input;
-        if (!s.export_view.output.empty() && s.view.scene) {
+        const bool exports = !s.export_view.output.empty();
+        if (exports && s.view.scene) {
             fail(
                 ExitCode::wrong_arguments,
                 "SCENE: not with --export, whose page is made from the records alone (got {}; expected FRAME "
                 "only)",
                 *s.view.scene);
         }
+        for (const char* name : {"--port", "--open"}) {
+            if (exports && app.count(name) > 0)
+                fail(ExitCode::wrong_arguments, "{}: not with --export, which starts no server", name);
+        }
+        if (!exports && app.count("--export-mb") > 0)
+            fail(ExitCode::wrong_arguments, "--export-mb: goes with --export (got it alone)");
         s.common.run = [&s] {
             return s.export_view.output.empty() ? run_view(s.view) : export_view(s.export_view);
         };

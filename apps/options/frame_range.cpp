@@ -282,7 +282,7 @@ CommandResult run_frame_range(
         warnings.add(frame, one.warnings);
         if (out.exit_code == ExitCode::ok) out.exit_code = one.exit_code;
         if (!options.speak) continue;
-        std::fputs(fmt::format("frame {}: {}\n", frame, one.text).c_str(), stdout);
+        std::fputs(printable_lines(fmt::format("frame {}: {}\n", frame, one.text)).c_str(), stdout);
         std::fflush(stdout);  // shows progress, because a range of frames may take hours
     }
     out.warnings = warnings.list();

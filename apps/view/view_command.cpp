@@ -1,7 +1,7 @@
 #include "apps/view/view_command.h"
 
 #include <chrono>
-#include <cstdio>
+#include <memory>
 #include <spawn.h>
 #include <thread>
 #include <unistd.h>
@@ -19,24 +19,31 @@ void open_in_browser(const std::string& address) {
     static_cast<void>(::posix_spawnp(&child, program.c_str(), nullptr, nullptr, words.data(), environ));
 }
 
+struct Viewer {
+    ViewSession session;
+    ViewServer server;
+    explicit Viewer(const ViewOptions& options) : session(options), server(session, options.port) {}
+};
+
 }  // namespace
 
 CommandResult run_view(const ViewOptions& options) {
-    ViewSession session(options);
-    ViewServer server(session, options.port);
-    // The address must be printed now. The result of the command is only printed after the viewer is closed.
-    std::fputs(fmt::format("{}\n", server.address()).c_str(), stdout);
-    std::fflush(stdout);
-    if (options.open) open_in_browser(server.address());
-    Job& job = Job::current();
-    std::jthread watcher([&](const std::stop_token& ended) {
-        while (!job.cancelled() && !ended.stop_requested())
-            std::this_thread::sleep_for(std::chrono::milliseconds(20));
-        session.stop();
-        server.stop();
-    });
-    server.serve();
-    return {};
+    const auto viewer = std::make_shared<Viewer>(options);
+    CommandResult out;
+    out.text = viewer->server.address();
+    out.json["address"] = out.text;
+    out.afterwards = [viewer, open = options.open] {
+        if (open) open_in_browser(viewer->server.address());
+        Job& job = Job::current();
+        std::jthread watcher([&](const std::stop_token& ended) {
+            while (!job.cancelled() && !ended.stop_requested())
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            viewer->session.stop();
+            viewer->server.stop();
+        });
+        viewer->server.serve();
+    };
+    return out;
 }
 
 }  // namespace postlens

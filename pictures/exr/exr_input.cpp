@@ -5,11 +5,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
 #include "core/error.h"
+#include "core/files/text_file.h"
 #include "core/text.h"
 #include "pictures/exr/exr_attributes.h"
 
@@ -85,21 +85,9 @@ class HeaderReader {
 }  // namespace
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
-    // Without O_NONBLOCK, opening a named pipe would wait for a writer.
-    fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd_ < 0) {
-        fail(ExitCode::invalid_input, "{}: cannot read ({})", name_,
-             errno == ENOENT ? "no such file" : std::strerror(errno));
-    }
-    struct stat status {};
-    const bool ok = ::fstat(fd_, &status) == 0;
-    if (!ok || !S_ISREG(status.st_mode)) {
-        const bool folder = ok && S_ISDIR(status.st_mode);
-        ::close(fd_);
-        fail(ExitCode::invalid_input, "{}: cannot read (got {}; expected a file)", name_,
-             folder ? "a folder" : "something else");
-    }
-    size_ = static_cast<std::uint64_t>(status.st_size);
+    size_ = check_regular_file(path);
+    fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd_ < 0) fail(ExitCode::invalid_input, "{}: cannot read ({})", name_, std::strerror(errno));
 }
 
 InputFile::~InputFile() {

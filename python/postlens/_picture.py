@@ -160,6 +160,7 @@ def compare(
     pinhole: object = None,
     map: Optional[PathLike] = None,
     side_by_side: Optional[PathLike] = None,
+    crop: Optional[tuple[int, int, int, int]] = None,
     exposure: "float | str | None" = None,
     flip_white: Optional[float] = None,
     threads: int = 0,
@@ -170,6 +171,7 @@ def compare(
     noise: an independent render of the reference. With it, the noise of the reference is subtracted from the error.
     pinhole: the picture without a lens. With it, the report also states the error of the pixels that the lens changes.
     map, side_by_side: image files to write, which show the differences.
+    crop: the part of the pictures that is compared, (x, y, width, height) in px.
     exposure: the exposure at which all pictures are compared, in stops or "auto". The default is the exposure of the
         reference.
 
@@ -182,6 +184,7 @@ def compare(
             "pinhole": None if pinhole is None else files.path("pinhole", pinhole),
             "map": map,
             "side_by_side": side_by_side,
+            "crop": crop,
             "exposure": exposure,
             "flip_white": flip_white,
         }

@@ -255,6 +255,23 @@ TEST_F(Cli, ThreadsOfThePictureModuleThatCannotBeStartedAreOneError) {
     EXPECT_EQ(limited(40, "2").exit_code, 0);
 }
 
+// Names and metadata of files may contain commands for the terminal.
+TEST_F(Cli, TextsHaveNoControlCharacters) {
+    const std::string odd = in("a\x1b[31m.exr");
+    fs::rename(traced(), odd);
+    const Outcome r = run({"info", odd});
+    EXPECT_NE(r.out.find("a?[31m.exr: postlens samples"), std::string::npos) << r.out;
+    EXPECT_EQ(json::parse(run({"info", odd, "--json"}).out)["kind"], "samples");
+}
+
+TEST_F(Cli, AFolderThatCannotBeMadeIsOneError) {
+    const std::string long_name = in(std::string(300, 'x'));  // names have at most 255 bytes
+    refused({"sweep", traced(), "-o", long_name, "--f-number", "2", "--focus", "2"}, ExitCode::cannot_write,
+            "xx: cannot make this folder (");
+    refused({"chart", POSTLENS_SAMPLES "/scenes/bars.toml", "-o", long_name, "--size", "8x8"},
+            ExitCode::cannot_write, "xx: cannot make this folder (");
+}
+
 TEST_F(Cli, WhatIsWrongIsNamed) {
     const ExitCode two = ExitCode::wrong_arguments;
     const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
@@ -287,6 +304,9 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
         refused({"focus", frame, "-o", in("x.exr"), "--f-number", "2", std::string("--breathing=") + value},
                 two, "--breathing: takes no value");
     }
+    refused({"view", frame, "--export", in("x.html"), "--port", "0"}, two, "--port: not with --export");
+    refused({"view", frame, "--export", in("x.html"), "--open"}, two, "--open: not with --export");
+    refused({"view", frame, "--export-mb", "3"}, two, "--export-mb: goes with --export");
     refused({"view", frame, "missing.toml", "--export", in("x.html")}, two,
             "SCENE: not with --export, whose page is made from the records alone (got missing.toml;");
     refused(image + Words{"left", "over"}, two, "not expected: over left (see postlens image --help)");
@@ -295,7 +315,7 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     refused({"sweep", frame, "-o", in("s"), "--f-number", "2", "--focus", "1", "--frames", "p.%04d.gif"}, two,
             "--frames: unknown kind of image (got ending \".gif\"");
     refused({"sweep", frame, "-o", in("no/dir"), "--f-number", "2", "--focus", "1"}, ExitCode::cannot_write,
-            "no/dir: cannot be the folder of a sweep");
+            "no/dir: cannot make this folder");
     refused({"image", frame, "-o", frame + "/o.exr"}, ExitCode::cannot_write, "frame.exr is a file");
     // As of a shell variable that is not set: the image was made and not written, with exit code 0.
     const std::string empty = ": no value (got an empty text; expected ";
@@ -400,7 +420,7 @@ TEST_F(Cli, NumbersAreReadable) {
          {Words{"info", in("pipe.exr")}, Words{"merge", in("pipe.exr"), "-o", in("m.exr")}}) {
         const Outcome r = run(words);
         EXPECT_EQ(r.exit_code, 3);
-        EXPECT_NE(r.err.find("got something else; expected a file"), std::string::npos) << r.err;
+        EXPECT_NE(r.err.find("got a device or pipe; expected a file"), std::string::npos) << r.err;
     }
     // An error is one line, whatever is in a name.
     const Outcome line = run({"info", in("two\nlines\033.exr")});

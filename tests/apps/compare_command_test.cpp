@@ -52,6 +52,19 @@ class CompareCommand : public CommandTest {
     }
 };
 
+TEST_F(CompareCommand, ACropIsComparedAlone) {
+    Image image = constant_picture(40, 30, 0.5F);
+    const std::string reference = file("r.exr", image);
+    std::fill_n(image.pixel(20, 12), 3, 0.75F);
+    const std::string wrong = file("w.exr", image);
+    const json inside = run_json({wrong, reference, "--crop", "20,12,16,16", "--map", in("m.png")});
+    EXPECT_NEAR(inside["rmse"], 0.25 / 16, 1e-9);  // one of 16 x 16 pixels
+    EXPECT_EQ(run_json({wrong, reference, "--crop", "21,12,16,16"})["rmse"], 0);
+    refused({wrong, reference, "--crop", "30,12,16,16"}, 2, "--crop");
+    refused({wrong, reference, "--crop", "20,12,16,16", "--frame", reference, "--map-causes", in("c.png")}, 2,
+            "--crop: not with --map-causes");
+}
+
 TEST_F(CompareCommand, ACutPngIsOneError) {
     const std::string whole = file("a.png", constant_picture(40, 30, 0.75F)), cut = in("cut.png");
     std::ofstream(cut, std::ios::binary) << bytes_of(whole).substr(0, bytes_of(whole).size() - 20);

@@ -375,6 +375,12 @@ TEST(Excerpt, IsShortAndPrintable) {
     EXPECT_EQ(excerpt("abc"), "'abc'");
     EXPECT_EQ(excerpt("a\nb\x1b[31m"), "'a?b?[31m'");
     EXPECT_EQ(excerpt(std::string(100, 'x')).size(), 45U);
+    // U+009B begins a command of a terminal as well. Other characters of two bytes stay, and so does a byte
+    // C2 that is not UTF-8.
+    EXPECT_EQ(printable_lines("a\x1b[31m\n\xC2\x9B"
+                              "31m\t\x7F \xC2\xB5\xC2 "),
+              "a?[31m\n?31m?? \xC2\xB5\xC2 ");
+    EXPECT_EQ(printable("a\nb\r"), "a?b?");
 }
 
 TEST(FileDigest, IsSha256) {

@@ -5,6 +5,7 @@ import http.client
 import json
 import os
 import re
+import signal
 import socket
 import struct
 import subprocess
@@ -50,6 +51,15 @@ def behind_idle_connections(frame):
     with concurrent.futures.ThreadPoolExecutor(1) as executor:
         yield executor.submit(answer)
     assert made.close() == 0
+
+
+def test_the_address_is_the_result(frame):
+    words = [PROGRAM, "view", frame, "--json", "--quiet"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+        text = "".join(iter(process.stdout.readline, "}\n")) + "}"
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.read() == ""
+    assert json.loads(text)["address"].startswith("http://127.0.0.1:")
 
 
 def test_the_address_is_local_and_secret(viewer):
