@@ -32,5 +32,6 @@ if [[ $packages == peers ]]; then
 else
     echo "peers: skipped, the tests inside Blender, on Slurm and of the notebook (scripts/test.sh --peers)"
 fi
-# These tests run last, so that the last lines of the output state how many tests passed.
-ctest --test-dir build/release -LE peers --parallel "$(nproc)" --output-on-failure --no-tests=error
+# These tests run last, so that the last lines of the output state how many tests passed. The tests of the viewer
+# mostly wait for the browser, so one test more than there are processors runs at a time.
+ctest --test-dir build/release -LE peers --parallel "$(($(nproc) + 1))" --output-on-failure --no-tests=error

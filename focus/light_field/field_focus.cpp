@@ -159,7 +159,9 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
         p.instants_s.push_back(file.instant_s(i));
         for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
     }
-    if (p.moves) {
+    // With rays, patches stay larger, because smaller ones take half as long again: check rays find the tiles
+    // in which motion distorts them too much, and rays replace these.
+    if (p.moves && settings_.rays == nullptr) {
         StrainOfMotions strain{{}, [&p](std::uint32_t id) { return p.motions->class_of(id); }};
         for (int i = 0; i < strain_views; ++i) {
             for (auto& use : uses_at(p.instants_s, instant_s((i + 0.5) / strain_views), *p.motions))
