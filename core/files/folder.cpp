@@ -10,9 +10,10 @@ void make_folder(const std::filesystem::path& path) {
     std::error_code error, none;
     std::filesystem::create_directory(path, error);
     if (std::filesystem::is_directory(path, none)) return;
-    fail(ExitCode::cannot_write,
-         "{}: cannot make this folder ({}; expected a folder, or a name that is free)", path.string(),
-         error ? error.message() : "a file is there");
+    if (std::filesystem::exists(path, none))
+        fail(ExitCode::cannot_write, "{}: is a file (expected a folder, or a name that is free)",
+             path.string());
+    fail(ExitCode::cannot_write, "{}: cannot make this folder ({})", path.string(), error.message());
 }
 
 }  // namespace postlens

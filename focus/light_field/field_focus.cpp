@@ -13,7 +13,6 @@
 #include "reproject/fill_gaps.h"
 #include "reproject/instants_around.h"
 #include "reproject/patch_field.h"
-#include "reproject/patches/motion_strain.h"
 
 namespace postlens {
 namespace {
@@ -158,16 +157,6 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     for (std::size_t i = 0; i < instants; ++i) {
         p.instants_s.push_back(file.instant_s(i));
         for (const ScanlineFacts& facts : file.scanlines(i)) records += facts.records;
-    }
-    // With rays, patches stay larger, because smaller ones take half as long again: check rays find the tiles
-    // in which motion distorts them too much, and rays replace these.
-    if (p.moves && settings_.rays == nullptr) {
-        StrainOfMotions strain{{}, [&p](std::uint32_t id) { return p.motions->class_of(id); }};
-        for (int i = 0; i < strain_views; ++i) {
-            for (auto& use : uses_at(p.instants_s, instant_s((i + 0.5) / strain_views), *p.motions))
-                strain.views.push_back(std::move(use.motions));
-        }
-        p.lens.motion = std::move(strain);
     }
     const auto most_bytes = static_cast<double>(settings_.surface_bytes);
     double bytes_of_record = 0;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -49,6 +50,14 @@ struct EdgeArea {
     glm::dvec2 begin{0}, end{1};
 };
 
+/// The highlights that rays found in a part of a pixel.
+struct Measured {
+    EdgeArea area;
+    std::vector<Highlight> lights;
+    /// Whether there was light at a border of the part: low is the left or upper one.
+    glm::bvec2 low{false}, high{false};
+};
+
 /// The highlights of one surface on one path.
 struct BrightSurface {
     NodeIdentity node;
@@ -65,10 +74,10 @@ struct BrightSurface {
     /// pixels.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
     /// Traces `across` x `across` rays through a part of a pixel, and returns the highlights that they hit.
-    [[nodiscard]] std::vector<Highlight> measured(const EdgeArea& area, std::size_t across,
-                                                  const SightRays& rays, const LightElsewhere& less) const;
-    /// Returns the recorded highlight nearest to the position (x, y). The pixel or one of its neighbours must
-    /// contain a highlight.
+    [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
+                                    const LightElsewhere& less) const;
+    /// Returns the recorded highlight nearest to the position (x, y), preferably one in the pixel or beside
+    /// it.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
 
@@ -170,7 +179,9 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
             out = &light;
         }
     }
-    return *out;
+    return out != nullptr ? *out : *std::ranges::min_element(lights, {}, [&](const Highlight& light) {
+        return std::hypot(light.x - x, light.y - y);
+    });
 }
 
 /// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] is the
@@ -202,8 +213,8 @@ void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const
     });
 }
 
-std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t across,
-                                               const SightRays& rays, const LightElsewhere& less) const {
+Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
+                                 const LightElsewhere& less) const {
     const Pixel& pixel = area.pixel;
     const auto columns = static_cast<std::uint32_t>(across);
     const std::uint32_t count = columns * columns, per_square = columns / edge_squares;
@@ -232,15 +243,18 @@ std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t
         SightLine one;  ///< the last of the rays
     };
     std::array<Sum, std::size_t{edge_squares} * edge_squares> sums;
+    Measured out{.area = area, .lights = {}};
     for (std::uint32_t i = 0; i < count; ++i) {
         if (radiance[i] == std::array<float, 3>{}) continue;
+        const glm::uvec2 at(i % columns, i / columns);
+        out.low = out.low || glm::equal(at, glm::uvec2(0));
+        out.high = out.high || glm::equal(at, glm::uvec2(columns - 1));
         Sum& sum = sums[i / columns / per_square * edge_squares + i % columns / per_square];
         for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += radiance[i][c];
         sum.at += lines[i].place;
         ++sum.rays;
         sum.one = lines[i];
     }
-    std::vector<Highlight> out;
     lines.clear();
     for (const Sum& sum : sums) {
         if (sum.rays == 0) continue;
@@ -251,10 +265,35 @@ std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t
         light.y = y;
         light.area = static_cast<float>(sum.rays) * px2_per_ray;
         for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = sum.rgb[c] * px2_per_ray;
-        out.push_back(light);
+        out.lights.push_back(light);
         lines.push_back(sum.one);
     }
-    measure_slopes(out, lines, node, rays);
+    measure_slopes(out.lights, lines, node, rays);
+    return out;
+}
+
+/// Returns where light that was measured in a part of a pixel continues: in a larger part of the pixel if the
+/// light crosses a border of the part, and in the neighbours whose common border with the pixel it crosses.
+std::vector<EdgeArea> continued(const Measured& m) {
+    std::vector<EdgeArea> out;
+    EdgeArea larger = m.area;
+    const glm::dvec2 by = (m.area.end - m.area.begin) / 2.0;
+    for (int axis = 0; axis < 2; ++axis) {
+        if (m.low[axis]) larger.begin[axis] = std::max(larger.begin[axis] - by[axis], 0.0);
+        if (m.high[axis]) larger.end[axis] = std::min(larger.end[axis] + by[axis], 1.0);
+    }
+    if (larger.begin != m.area.begin || larger.end != m.area.end) out.push_back(larger);
+    const auto crosses = [&](int axis, int to) {
+        return to == 0 ||
+               (to < 0 ? m.low[axis] && m.area.begin[axis] == 0 : m.high[axis] && m.area.end[axis] == 1);
+    };
+    for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+            if ((dx != 0 || dy != 0) && crosses(0, dx) && crosses(1, dy))
+                out.push_back(
+                    {.pixel = {m.area.pixel.first + dy, m.area.pixel.second + dx}, .is_small = true});
+        }
+    }
     return out;
 }
 
@@ -296,18 +335,32 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
     while (finest > edge_rays && rays_of(finest) > most * edge_rays * edge_rays) finest /= 2;
     std::vector<Highlight> out;
     for (const auto& [surface, edge] : edges) {
-        std::vector<std::vector<Highlight>> found(edge.size());
-        parallel_for(edge.size(), [&, &of = surface, &at = edge](std::size_t i) {
-            found[i] = of.measured(at[i], at[i].is_small ? finest : edge_rays, rays, less);
-        });
+        std::map<Pixel, Measured> found;
+        // Light that is narrower than the distance of records continues into pixels without a record of it.
+        // Rays follow it there.
+        for (std::vector<EdgeArea> areas = edge; !areas.empty();) {
+            std::vector<Measured> now(areas.size());
+            parallel_for(areas.size(), [&, &of = surface](std::size_t i) {
+                now[i] = of.measured(areas[i], areas[i].is_small ? finest : edge_rays, rays, less);
+            });
+            for (std::size_t i = 0; i < now.size(); ++i) found[areas[i].pixel] = std::move(now[i]);
+            std::map<Pixel, EdgeArea> next;
+            for (const EdgeArea& area : areas) {
+                for (const EdgeArea& more : continued(found[area.pixel])) {
+                    const bool is_known = found.contains(more.pixel) || !surface.at(more.pixel).empty();
+                    if (more.pixel == area.pixel || !is_known) next.emplace(more.pixel, more);
+                }
+            }
+            pixels += next.size();
+            areas.clear();
+            if (pixels > most) break;
+            for (const auto& [pixel, area] : next) areas.push_back(area);
+        }
         const std::size_t kept = out.size();
         std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out),
-                     [&at = edge](const Highlight& light) {
-                         return !std::ranges::binary_search(at, pixel_of(light), {}, &EdgeArea::pixel);
-                     });
+                     [&](const Highlight& light) { return !found.contains(pixel_of(light)); });
         measure_slopes(std::span(out).subspan(kept), surface.node, rays);
-        for (const std::vector<Highlight>& lights : found)
-            out.insert(out.end(), lights.begin(), lights.end());
+        for (const auto& [pixel, m] : found) out.insert(out.end(), m.lights.begin(), m.lights.end());
     }
     mesh.highlights = std::move(out);
 }

@@ -94,26 +94,6 @@ TEST(Shoot, ACameraMayDrivePastWhatTheBorderShows) {
     EXPECT_GT(psnr(hybrid_picture(shot.frame.file(), s).focus.image, rays(b.scene, s)), 37);
 }
 
-// A patch of the floor is up to 16 px wide. Its near part moves farther on the raster than its far part.
-TEST(Shoot, EveryPartOfAPatchMovesAsMuchAsItsDepthSays) {
-    SceneBuilder b;
-    for (int i = 0; i < 40; ++i) {
-        b.add(Rectangle{{-9, -0.3, -0.25 * i}, {18, 0, 0}, {0, 0, -0.25}},
-              glowing(dvec3(i % 2 == 0 ? 0.9 : 0.2)))
-            .id = 1;
-    }
-    b.scene.cameras[0].keys = from_to({0, 0, -1.2});
-    TraceSettings trace = traced(false);
-    trace.for_shutter = TimeSpan{0, 1};
-    const Shot shot(b, trace);
-    HybridSettings s = shot.settings(1, 512);
-    s.focus.lens.f_number = std::numeric_limits<double>::infinity();
-    const Image truth = rays(b.scene, s);
-    // `motionblur` makes the same image from other instants.
-    const double blurred = psnr(shot.frame.blur(MotionMethod::lightfield).image, truth);
-    EXPECT_GT(psnr(hybrid_picture(shot.frame.file(), s).focus.image, truth), blurred - 1);
-}
-
 double sum(const Image& image) {
     double out = 0;
     for (const float v : image.rgb) out += static_cast<double>(v);
