@@ -93,11 +93,9 @@ Guessed guessed(std::span<const Behind> behind) {
 }
 
 /// Returns whether empty space lies behind the samples of a stored pixel, so that blur may show it. `behind`
-/// is the estimate behind this pixel.
-bool ends_in_nothing(const ForeignPicture& picture, std::size_t pixel, const Behind& behind) {
-    return !behind.known && !behind.fills &&
-           transmittance_behind(picture.stack_of(pixel), picture.is_nothing_behind(pixel)) >
-               opaque_transmittance;
+/// is the estimate behind this pixel, and `open` the transmittance_behind of its samples.
+bool ends_in_nothing(const Behind& behind, double open) {
+    return !behind.known && !behind.fills && open > opaque_transmittance;
 }
 
 std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const ForeignPicture& picture) {
@@ -191,8 +189,7 @@ class Spread {
                     const double open =
                         transmittance_behind(stack, pixel && picture_.is_nothing_behind(*pixel));
                     // Empty space may be visible behind a translucent surface.
-                    if (behind != nullptr && picture_.stores(x, y) &&
-                        ends_in_nothing(picture_, *pixel, *behind))
+                    if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
                     // `scatter` does not estimate what lies behind a translucent sample. The sample therefore
                     // counts as filling its pixel.
@@ -328,8 +325,10 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         behind_fill(picture, around_aperture(geometry, s.aperture), s.aberration_px());
     StackField field = stack_field(picture, behind, s);
     Guessed of_picture = guessed(behind);
-    for (std::size_t i = 0; i < behind.size() && !of_picture.is_see_through; ++i)
-        of_picture.is_see_through = ends_in_nothing(picture, i, behind[i]);
+    for (std::size_t i = 0; i < behind.size() && !of_picture.is_see_through; ++i) {
+        const double open = transmittance_behind(picture.stack_of(i), picture.is_nothing_behind(i));
+        of_picture.is_see_through = ends_in_nothing(behind[i], open);
+    }
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
     // Gaps in the crop are filled from the pixels around them, which may lie outside the crop. If there are
     // gaps, the whole image is therefore drawn.

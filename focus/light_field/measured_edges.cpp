@@ -274,6 +274,7 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
 
 /// Returns where light that was measured in a part of a pixel continues: in a larger part of the pixel if the
 /// light crosses a border of the part, and in the neighbours whose common border with the pixel it crosses.
+/// Neighbours get as many rays as small lights do, because fewer might miss a narrow light.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;
