@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "core/json_dump.h"
+#include "core/percent.h"
 #include "pictures/crop.h"
 #include "scene/file_digest.h"
 #include "scene/scene.h"
@@ -135,13 +136,7 @@ std::optional<Share> share_of_mark(const std::string& mark) {
 
 std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {
     std::vector<std::string> arguments;
-    for (const std::string& word : words) {
-        std::string& out = arguments.emplace_back();
-        for (const char c : word) {
-            const auto byte = static_cast<unsigned char>(c);
-            out += byte < 0x80 && c != '%' ? std::string(1, c) : fmt::format("%{:02X}", byte);
-        }
-    }
+    for (const std::string& word : words) arguments.push_back(percent_encoded(word));
     return json_dump(nlohmann::ordered_json{{"share", {share.index, share.count}},
                                             {"crop", nullptr},
                                             {"made_by", asked.fingerprint()},
@@ -154,19 +149,8 @@ std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark) {
     for (const nlohmann::ordered_json& argument : arguments) {
         if (!argument.is_string()) return {};
         const std::string text = argument.get<std::string>();
-        std::string& word = out.emplace_back();
-        for (std::size_t i = 0; i < text.size(); ++i) {
-            if (text[i] != '%') {
-                word += text[i];
-                continue;
-            }
-            unsigned byte = 0;
-            const char* digits = text.data() + i + 1;
-            if (text.size() < i + 3 || std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2)
-                return {};
-            word += static_cast<char>(byte);
-            i += 2;
-        }
+        out.push_back(percent_decoded(text));
+        if (percent_encoded(out.back()) != text) return {};
     }
     return out;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/files/text_file.h"
+#include "core/percent.h"
 #include "core/text.h"
 
 namespace postlens {
@@ -80,29 +81,6 @@ std::string from_base64(std::string_view text, const JsonPlace& place) {
         if (held >= 8) {
             held -= 8;
             out.push_back(static_cast<char>(bits >> held & 0xFF));
-        }
-    }
-    return out;
-}
-
-int hex_digit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
-
-// Decodes the percent-encoded characters of a URI, such as %20.
-std::string without_percents(const std::string& uri) {
-    std::string out;
-    for (std::size_t i = 0; i < uri.size(); ++i) {
-        const int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
-        const int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
-        if (low >= 0) {
-            out.push_back(static_cast<char>(16 * high + low));
-            i += 2;
-        } else {
-            out.push_back(uri[i]);
         }
     }
     return out;
@@ -199,7 +177,7 @@ std::string_view GltfDocument::resolve(const std::string& uri, const JsonPlace& 
         return bytes.emplace_back(from_base64(std::string_view(uri).substr(comma + 1), place));
     }
     if (has_scheme(uri)) place.fail_here("refers to no file beside it (got {})", excerpt(uri));
-    const std::string name = without_percents(uri);
+    const std::string name = percent_decoded(uri);
     const auto found = inside_scene_folder(path, name);
     if (!found) {
         place.fail_here("leads out of the scene's folder (got {}; expected a path inside it)", excerpt(uri));
