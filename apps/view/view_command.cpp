@@ -35,11 +35,16 @@ CommandResult run_view(const ViewOptions& options) {
     out.afterwards = [viewer, open = options.open] {
         if (open) open_in_browser(viewer->server.address());
         Job& job = Job::current();
-        std::jthread watcher([&](const std::stop_token& ended) {
-            while (!job.cancelled() && !ended.stop_requested())
+        std::jthread watcher([&](const std::stop_token& served) {
+            // `stop` has no effect on a server that does not yet serve, so it is repeated until `serve` ends.
+            while (!served.stop_requested()) {
+                if (job.cancelled()) {
+                    viewer->session.stop();
+                    viewer->server.stop();
+                }
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            }
             viewer->session.stop();
-            viewer->server.stop();
         });
         viewer->server.serve();
     };

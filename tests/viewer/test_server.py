@@ -53,13 +53,23 @@ def behind_idle_connections(frame):
     assert made.close() == 0
 
 
-def test_the_address_is_the_result(frame):
+def test_the_address_is_the_result_and_the_viewer_ends_at_once(frame):
     words = [PROGRAM, "view", frame, "--json", "--quiet"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
-        text = "".join(iter(process.stdout.readline, "}\n")) + "}"
-        process.send_signal(signal.SIGINT)
-        assert process.stdout.read() == ""
-    assert json.loads(text)["address"].startswith("http://127.0.0.1:")
+
+    def printed(_):
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+            text = "".join(iter(process.stdout.readline, "}\n")) + "}"
+            process.send_signal(signal.SIGINT)
+            try:
+                assert process.communicate(timeout=30)[0] == ""
+            finally:
+                process.kill()
+        return json.loads(text)["address"]
+
+    # Many at a time, so that the signal often arrives before the server accepts connections.
+    with concurrent.futures.ThreadPoolExecutor(8) as executor:
+        for address in executor.map(printed, range(80)):
+            assert address.startswith("http://127.0.0.1:")
 
 
 def test_the_address_is_local_and_secret(viewer):
