@@ -168,10 +168,16 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
         // On average, a record yields at most one splat, because most samples of a pixel are merged. The
         // splats of a strip may use a sixth of the memory limit, because sorting and compositing need the
         // rest.
+        double sums = 0;  // of all strips so far
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
-                   [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
-                       layers(splats, image, part);
+                   [&](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
+                       if (std::isfinite(settings.most_layer_sums)) sums += layer_sums(splats);
+                       if (sums <= settings.most_layer_sums) {
+                           layers(splats, image, part);
+                       } else {
+                           image = {};
+                       }
                    });
     } else {
         // A record yields up to four splats, one for each subpixel position that gets a part of its light.

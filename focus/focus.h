@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ struct FocusSettings {
     /// `layers`. An image that may need more is made in strips (groups of rows), and the records are read
     /// again for each strip. The result is bit-identical.
     std::size_t splat_bytes = std::size_t{672} << 20;
+    /// If `layers` would compute more than this many sums (layer_sums), the result has no image.
+    double most_layer_sums = std::numeric_limits<double>::infinity();
 };
 
 struct FocusWarning {

@@ -154,41 +154,24 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Estimates, from evenly spaced rows, the share of records deeper in the shading trees, i.e. of reflected or
-/// transmitted surfaces. If several instants were recorded, only the frame's own instant is counted.
-double deeper_share(const SampleFileReader& file) {
-    constexpr std::size_t most_rows = 16;
-    const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
-    std::size_t deeper = 0, all = 0;
-    RecordBand band;
-    for (std::size_t i = 0; i < probes; ++i) {
-        const int y = file.y_begin() + static_cast<int>((2 * i + 1) * rows / (2 * probes));
-        file.read(y, y + 1, band);
-        all += band.records.size();
-        deeper += static_cast<std::size_t>(std::count_if(band.records.begin(), band.records.end(),
-                                                         [](const Record& r) { return r.path.bits() != 0; }));
-    }
-    return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
-}
-
-/// Returns whether the method `layers` takes no longer than drawing the first views. It takes as long for a
-/// record of a directly visible surface as a view takes for a pixel, and `deeper_cost` times as long for a
-/// record of a reflected or transmitted surface.
-bool is_worth_layers(const SampleFileReader& file) {
-    constexpr double deeper_cost = 2;
-    const SampleHeader& h = file.header();
-    const double most = first_views * static_cast<double>(h.width) * h.height;
-    double records = 0;
-    for (const ScanlineFacts& row : file.scanlines(0)) records += row.records;
-    return records <= most && records * (1 + (deeper_cost - 1) * deeper_share(file)) <= most;
-}
-
-Image layers_image(FocusFrame& frame, FocusSettings settings) {
+/// Makes an image by the method `layers`, unless this would take longer than the first views: `layers` takes
+/// as long for a record as `views_of_record` views take for a pixel, and for a sum (layer_sums) as
+/// `views_of_sum` views. On the sample scenes and random scenes, a record takes 0.4 to 0.7 us, a sum 0.05 to
+/// 0.3 us, and a view 0.1 to 0.4 us for a pixel.
+std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
+    constexpr double views_of_record = 2, views_of_sum = 0.5;
+    const SampleHeader& h = frame.file().header();
+    double left = first_views * static_cast<double>(h.width) * h.height;
+    for (const ScanlineFacts& row : frame.file().scanlines(0)) left -= views_of_record * row.records;
+    if (left < 0) return std::nullopt;
     settings.method = FocusMethod::layers;
     settings.spacing = DepthSpacing::inverse;
     settings.depths.reset();
     settings.depth_model = DepthModel::ray_differentials;
-    return focus_picture(frame, settings).image;
+    settings.most_layer_sums = left / views_of_sum;
+    Image image = focus_picture(frame, settings).image;
+    if (image.rgb.empty()) return std::nullopt;
+    return image;
 }
 
 /// Returns a lower estimate of the error of the image made by `layers`: the estimated error minus its
@@ -254,7 +237,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     // `layers` shows a single instant, so it is only used without a shutter. The error of its image can only
     // be measured with rays, so it is only used with a scene.
     std::optional<Image> layers;
-    if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
+    if (whole.scene != nullptr && !whole.shutter) {
         (void)checked_camera(frame.file().header(), *whole.scene);
         layers = layers_image(frame, whole.focus);
     }

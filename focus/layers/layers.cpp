@@ -52,29 +52,74 @@ bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
+/// A block of the image, and the indices, in ascending order, of the cells (groups of neighbouring splats)
+/// that reach it.
+struct Block {
+    RasterWindow window;
+    std::vector<std::uint32_t> cells;
+};
+
+std::vector<Block> blocks_of(const LayerSplats& splats) {
+    const RasterWindow& picture = splats.picture();
+    const int columns = (picture.width() + block_width - 1) / block_width;
+    std::vector<Block> out;
+    for (int y = picture.y_begin; y < picture.y_end; y += block_height) {
+        for (int x = picture.x_begin; x < picture.x_end; x += block_width)
+            out.push_back({common({x, x + block_width, y, y + block_height}, picture), {}});
+    }
+    for (std::size_t i = 0; i < splats.cells().size(); ++i) {
+        const RasterWindow reach = common(splats.cells()[i].reach, picture);
+        if (reach.width() <= 0 || reach.height() <= 0) continue;
+        for (int row = (reach.y_begin - picture.y_begin) / block_height;
+             row <= (reach.y_end - 1 - picture.y_begin) / block_height; ++row) {
+            for (int column = (reach.x_begin - picture.x_begin) / block_width;
+                 column <= (reach.x_end - 1 - picture.x_begin) / block_width; ++column) {
+                out[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                    static_cast<std::size_t>(column)]
+                    .cells.push_back(static_cast<std::uint32_t>(i));
+            }
+        }
+    }
+    return out;
+}
+
+/// The cells (groups of neighbouring splats) of one part that reach a block, as a range [begin, end) of
+/// Block::cells.
+struct PartCells {
+    const LayerPart* part;
+    std::size_t begin, end;
+    RasterWindow reach;  ///< within the block
+};
+
+void find_parts(const LayerSplats& splats, const Block& block, std::vector<PartCells>& parts) {
+    parts.clear();
+    for (std::size_t i = 0; i < block.cells.size(); ++i) {
+        const LayerCell& cell = splats.cells()[block.cells[i]];
+        const LayerPart* part = &splats.parts()[cell.part];
+        const RasterWindow reach = common(cell.reach, block.window);
+        if (parts.empty() || parts.back().part != part) {
+            parts.push_back({part, i, i + 1, reach});
+        } else {
+            parts.back().end = i + 1;
+            parts.back().reach = around(parts.back().reach, reach);
+        }
+    }
+}
+
 /// Computes blocks one after another, in one thread, and reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Computes the pixels of a block. `cells` contains the indices, in ascending order, of the cells (groups
-    /// of neighbouring splats) that reach the block.
-    void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
+    /// Computes the pixels of a block.
+    void run(const Block& of, Image& image);
 
   private:
-    /// The cells (groups of neighbouring splats) of one part that reach the block, as a range [begin, end) of
-    /// the block's list of cells.
-    struct PartCells {
-        const LayerPart* part;
-        std::size_t begin, end;
-        RasterWindow reach;  ///< within the block
-    };
     struct Entry {
         Fragment fragment;
         std::int32_t next;
     };
 
-    void find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells);
     void add_surface(std::span<const PartCells> parts, std::span<const std::uint32_t> cells,
                      std::size_t channel, bool with_lens);
     void push(int x, int y, const Fragment& fragment);
@@ -91,21 +136,6 @@ class BlockLayers {
     std::vector<Entry> entries_;
     std::vector<Fragment> fragments_;
 };
-
-void BlockLayers::find_parts(const RasterWindow& block, std::span<const std::uint32_t> cells) {
-    parts_.clear();
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        const LayerCell& cell = splats_.cells()[cells[i]];
-        const LayerPart* part = &splats_.parts()[cell.part];
-        const RasterWindow reach = common(cell.reach, block);
-        if (parts_.empty() || parts_.back().part != part) {
-            parts_.push_back({part, i, i + 1, reach});
-        } else {
-            parts_.back().end = i + 1;
-            parts_.back().reach = around(parts_.back().reach, reach);
-        }
-    }
-}
 
 void BlockLayers::push(int x, int y, const Fragment& fragment) {
     std::int32_t& first =
@@ -189,8 +219,9 @@ bool BlockLayers::meets_another(std::size_t surface) const {
     return false;
 }
 
-void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image) {
-    find_parts(block, cells);
+void BlockLayers::run(const Block& of, Image& image) {
+    const RasterWindow& block = of.window;
+    find_parts(splats_, of, parts_);
     std::vector<std::size_t> begins;  // first part of each surface
     surfaces_.clear();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -215,8 +246,8 @@ void BlockLayers::run(const RasterWindow& block, std::span<const std::uint32_t> 
             first_.assign(static_cast<std::size_t>(rows_.width()) * static_cast<std::size_t>(rows_.height()),
                           -1);
             for (std::size_t i = 0; i < surfaces; ++i) {
-                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), cells, channel,
-                            meets_another(i));
+                add_surface(std::span(parts_).subspan(begins[i], begins[i + 1] - begins[i]), of.cells,
+                            channel, meets_another(i));
             }
             store_pixels(channel, image);
         }
@@ -229,35 +260,27 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
     const RasterWindow& picture = splats.picture();
     if (image.width != picture.width() || image.height != picture.height())
         image = Image(picture.width(), picture.height());
-    const int columns = (picture.width() + block_width - 1) / block_width;
-    const int rows = (picture.height() + block_height - 1) / block_height;
-    std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(columns) *
-                                                  static_cast<std::size_t>(rows));
-    for (std::size_t i = 0; i < splats.cells().size(); ++i) {
-        const RasterWindow reach = common(splats.cells()[i].reach, picture);
-        if (reach.width() <= 0 || reach.height() <= 0) continue;
-        for (int row = (reach.y_begin - picture.y_begin) / block_height;
-             row <= (reach.y_end - 1 - picture.y_begin) / block_height; ++row) {
-            for (int column = (reach.x_begin - picture.x_begin) / block_width;
-                 column <= (reach.x_end - 1 - picture.x_begin) / block_width; ++column) {
-                cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-                      static_cast<std::size_t>(column)]
-                    .push_back(static_cast<std::uint32_t>(i));
-            }
-        }
-    }
+    const std::vector<Block> blocks = blocks_of(splats);
     tbb::enumerable_thread_specific<BlockLayers> workers([&] { return BlockLayers(splats); });
-    Progress progress("layers", cells.size());
-    parallel_for(cells.size(), [&](std::size_t i) {
+    Progress progress("layers", blocks.size());
+    parallel_for(blocks.size(), [&](std::size_t i) {
         progress.advance();
-        const int x = picture.x_begin + static_cast<int>(i) % columns * block_width;
-        const int y = picture.y_begin + static_cast<int>(i) / columns * block_height;
-        const RasterWindow block{x, std::min(x + block_width, picture.x_end), y,
-                                 std::min(y + block_height, picture.y_end)};
-        if (wanted && !wanted->meets(x - picture.x_begin, y - picture.y_begin, block.width(), block.height()))
-            return;
-        workers.local().run(block, cells[i], image);
+        const RasterWindow& block = blocks[i].window;
+        if (!wanted || wanted->meets(block.x_begin - picture.x_begin, block.y_begin - picture.y_begin,
+                                     block.width(), block.height()))
+            workers.local().run(blocks[i], image);
     });
+}
+
+double layer_sums(const LayerSplats& splats) {
+    std::vector<PartCells> parts;
+    double out = 0;
+    for (const Block& block : blocks_of(splats)) {
+        find_parts(splats, block, parts);
+        for (const PartCells& part : parts)
+            out += static_cast<double>(part.reach.width()) * part.reach.height();
+    }
+    return out;
 }
 
 namespace {

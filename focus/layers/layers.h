@@ -16,6 +16,11 @@ inline constexpr int layers_block_px = 64;
 /// for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
+/// Returns how many sums layers() computes for the whole image: in each block, one for each part of a surface
+/// and each pixel that this part may reach. Where many surfaces are widely blurred, the sums take most of the
+/// time.
+[[nodiscard]] double layer_sums(const LayerSplats& splats);
+
 /// Computes the image of layers() directly from the definition, by evaluating every impulse response at every
 /// pixel. This is a slow and simple reference for tests.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);

@@ -30,8 +30,9 @@ constexpr std::size_t finest_rays = 64;
 /// Number of squares, along each axis, into which the measured part of a pixel is divided. The rays that hit
 /// the light within a square form one highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured, as a fraction of the number of pixels of all surfaces. The
-/// limit is at least least_measured pixels. If more pixels contain an edge, none are measured.
+/// Largest number of pixels that are measured with edge_rays x edge_rays rays each, as a fraction of the
+/// number of pixels of all surfaces. The limit is at least least_measured pixels. If more pixels contain an
+/// edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area in a pixel, in px^2, count as filling the whole pixel.
@@ -46,7 +47,8 @@ Pixel pixel_of(const Highlight& light) {
 /// The part of a pixel that rays measure. Positions are in px within the pixel.
 struct EdgeArea {
     Pixel pixel;
-    bool is_small = false;  ///< whether the light is small (small_light_px2)
+    Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
+    bool is_small = false;   ///< whether the light is small (small_light_px2)
     glm::dvec2 begin{0}, end{1};
 };
 
@@ -76,8 +78,8 @@ struct BrightSurface {
     /// Traces `across` x `across` rays through a part of a pixel, and returns the highlights that they hit.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
-    /// Returns the recorded highlight nearest to the position (x, y), preferably one in the pixel or beside
-    /// it.
+    /// Returns the highlight nearest to the position (x, y) of those recorded in the pixel or in its eight
+    /// neighbours. At least one must be recorded there.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
 
@@ -90,7 +92,8 @@ std::span<const Highlight> BrightSurface::at(const Pixel& pixel) const {
 }
 
 EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
-    EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
+    EdgeArea out{
+        .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
             // A highlight may extend as far as the next record, that is, by the edge of its quadtree cell.
@@ -161,7 +164,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
                 const EdgeArea area = near_records(pixel);
                 if (area.begin.x < area.end.x && area.begin.y < area.end.y) out.push_back(area);
             } else if (!is_fine && node.path.bits() == 0) {
-                out.push_back({pixel});
+                out.push_back({pixel, pixel});
             }
         }
     }
@@ -179,9 +182,7 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
             out = &light;
         }
     }
-    return out != nullptr ? *out : *std::ranges::min_element(lights, {}, [&](const Highlight& light) {
-        return std::hypot(light.x - x, light.y - y);
-    });
+    return *out;
 }
 
 /// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] is the
@@ -260,7 +261,7 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
         if (sum.rays == 0) continue;
         const auto x = static_cast<float>(pixel.second + sum.at.x / sum.rays),
                    y = static_cast<float>(pixel.first + sum.at.y / sum.rays);
-        Highlight light = nearest(pixel, x, y);
+        Highlight light = nearest(area.recorded, x, y);
         light.x = x;
         light.y = y;
         light.area = static_cast<float>(sum.rays) * px2_per_ray;
@@ -291,8 +292,9 @@ std::vector<EdgeArea> continued(const Measured& m) {
     for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
             if ((dx != 0 || dy != 0) && crosses(0, dx) && crosses(1, dy))
-                out.push_back(
-                    {.pixel = {m.area.pixel.first + dy, m.area.pixel.second + dx}, .is_small = true});
+                out.push_back({.pixel = {m.area.pixel.first + dy, m.area.pixel.second + dx},
+                               .recorded = m.area.recorded,
+                               .is_small = true});
         }
     }
     return out;
@@ -325,15 +327,16 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         small += static_cast<std::size_t>(std::ranges::count(edges.back().areas, true, &EdgeArea::is_small));
         first = last;
     }
-    const std::size_t most =
-        std::max(least_measured,
-                 static_cast<std::size_t>(most_measured_share * static_cast<double>(mesh.fine.size())));
+    const std::size_t most = std::max(least_measured,
+                                      static_cast<std::size_t>(most_measured_share *
+                                                               static_cast<double>(mesh.fine.size()))),
+                      most_rays = most * edge_rays * edge_rays;
     if (pixels > most) return;
     std::size_t finest = finest_rays;
     const auto rays_of = [&](std::size_t across) {
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
-    while (finest > edge_rays && rays_of(finest) > most * edge_rays * edge_rays) finest /= 2;
+    while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
     std::vector<Highlight> out;
     for (const auto& [surface, edge] : edges) {
         std::map<Pixel, Measured> found;
@@ -353,8 +356,9 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
                 }
             }
             pixels += next.size();
+            small += next.size();
             areas.clear();
-            if (pixels > most) break;
+            if (rays_of(finest) > most_rays) break;
             for (const auto& [pixel, area] : next) areas.push_back(area);
         }
         const std::size_t kept = out.size();

@@ -348,6 +348,25 @@ TEST(LightsWithRays, ShowAllLightOfARingThatRecordsMeetInPlaces) {
 
 // The rim of a highlight's circle of confusion shows how wide the highlight is. If all light of half a pixel
 // were spread from one point, the rim would be too sharp.
+// Light of a wide surface continues beyond the recorded pixels. Rays must not follow it without end.
+TEST(LightsWithRays, MeasureTheEdgeOfABrightFloorWithFewRays) {
+    SceneBuilder b;
+    b.add(Plane{dvec3(0, -0.7, 0), dvec3(0, 1, 0)}, glowing({4, 6, 4}));
+    b.scene.sha256 = std::string(64, 'a');
+    b.scene.cameras[0].width = 240;
+    b.scene.cameras[0].height = 136;
+    const Case c{"", 0.7, 1.6};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 2);
+    s.scene = &b.scene;
+    const HybridResult result = hybrid_picture(frame.file(), s);
+    // The edges get as many rays as 4096 pixels with 16 x 16 rays each, and each pixel gets at most two rays
+    // as view samples and two as checks.
+    EXPECT_LT(result.rays.eye, 4096U * 256 + 4 * 240 * 136);
+}
+
 TEST(LightsWithRays, SpreadALampFromAllOfItsArea) {
     constexpr double px_per_m = 50 / (36.0 / 64), depth_m = 4, side_px = 0.5, blur_px = 5.75, f_number = 0.7,
                      radiance = 4000, side_m = side_px / px_per_m * depth_m;
