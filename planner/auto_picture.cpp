@@ -24,10 +24,6 @@ namespace {
 /// independent halves gets 8 of them.
 constexpr int first_views = 16;
 
-/// Largest number of steps that add views only to measure the image of the method `layers` more accurately.
-/// Such a step is made if this image alone may have less than half the error of the result.
-constexpr int most_comparisons = 2;
-
 /// After the target is met, more views narrow the 95 % interval of the error. In all, at most
 /// `most_narrowing` times as many views are drawn as met the target, or without rays
 /// `most_narrowing_of_noise` times as many.
@@ -174,18 +170,6 @@ std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
     return image;
 }
 
-/// Returns a lower estimate of the error of the image made by `layers`: the estimated error minus its
-/// standard error. The result may be negative.
-double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
-    double sum = 0, variance = 0;
-    for (const TileError& tile : measured.tiles) {
-        const double pixels = tile.pixels;
-        sum += pixels * tile.other_mse;
-        variance += pixels * pixels * tile.estimate_variance(1);
-    }
-    return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
-}
-
 /// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is computed from
 /// sRGB values, because errors are measured in these. If `views` is 1 or more, its sRGB value would be
 /// clamped, so the radiances themselves are averaged.
@@ -253,7 +237,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     };
     bool is_met = false;
     double most_samples = 0;  // limit for narrowing the interval; 0 until the target is met
-    for (int comparisons = 0;;) {
+    for (;;) {
         views.draw(wanted);
         measured = measure({}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
@@ -295,13 +279,6 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             }
             next =
                 is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
-        }
-        if (is_met && next == wanted && layers && comparisons < most_comparisons) {
-            // The image is a mixture of views and of the image of `layers`. If the latter alone may have less
-            // than half the error of the mixture, views are added to measure both errors more accurately.
-            const double alone = least_alone_mse(measured, grid);
-            if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
-            ++comparisons;
         }
         if (next == wanted) break;
         wanted = std::move(next);
