@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -26,6 +27,30 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
         return static_cast<int>(std::floor(std::clamp(px, -1e8, 1e8) / SheetMesh::square_px));
     };
     return {0, parent_id, id, square(at.x), square(at.y)};
+}
+
+/// The bright light of one surface (SurfaceSeen).
+struct BrightLight {
+    bool is_taken = true;
+    float area_px2 = 0;
+    double blur_px = 0;  ///< largest radius of its circles of confusion
+};
+
+/// If bright light fills at least this share of the squares within its blur, nearly all views show it, and an
+/// impulse response would not reduce their noise.
+constexpr double filling = 0.9;
+
+/// Returns whether the bright light around a directly visible surface fills the squares within its blur.
+bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
+    const auto [path, parent_id, id, x, y] = surface;
+    const int reach = static_cast<int>(std::ceil(all.at(surface).blur_px / SheetMesh::square_px)),
+              across = 2 * reach + 1;
+    double area_px2 = 0;
+    for (int i = 0; i < across * across; ++i) {
+        const auto found = all.find({path, parent_id, id, x + i % across - reach, y + i / across - reach});
+        if (found != all.end()) area_px2 += static_cast<double>(found->second.area_px2);
+    }
+    return area_px2 >= filling * std::pow(across * SheetMesh::square_px, 2);
 }
 
 /// Returns whether the records contain all of a highlight's light, for every lens point. The parts of a
@@ -73,24 +98,29 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
     const auto of_light = [moves](const Highlight& light, const SheetKey& key) {
         return surface_seen(key.path, key.parent_id, key.id, {light.x, light.y}, moves);
     };
-    std::map<SurfaceSeen, bool> taken;
+    std::map<SurfaceSeen, BrightLight> found;
     std::map<SurfaceSeen, std::vector<const Highlight*>> direct;
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         const std::vector<BrightSheet> bright = bright_sheets(*mesh);
         for (const Highlight& light : mesh->bright) {
             const SheetKey& key = mesh->sheets[light.sheet].key;
             const SurfaceSeen surface = of_light(light, key);
-            bool& all = taken.try_emplace(surface, true).first->second;
-            all = all && rays.steady(key.path, key.id) && is_complete(light, key, lens) &&
-                  rule.takes(light, key, bright[light.sheet]);
-            if (all && !moves && key.path.bits() == 0) direct[surface].push_back(&light);
+            BrightLight& all = found[surface];
+            all.area_px2 += light.area;
+            all.blur_px = std::max(all.blur_px, lens.least_blur_px(light.w));
+            all.is_taken = all.is_taken && rays.steady(key.path, key.id) && is_complete(light, key, lens) &&
+                           rule.takes(light, key, bright[light.sheet]);
+            if (all.is_taken && !moves && key.path.bits() == 0) direct[surface].push_back(&light);
         }
     }
-    std::erase_if(taken, [&](const auto& t) {
-        const auto found = direct.find(t.first);
-        return !t.second || (found != direct.end() &&
-                             is_seen_from_its_edge(found->second, std::get<2>(t.first), rays, lens));
-    });
+    std::set<SurfaceSeen> taken;
+    for (const auto& [surface, light] : found) {
+        if (!light.is_taken) continue;
+        const auto seen = direct.find(surface);
+        if (seen == direct.end() || !(fills_its_blur(found, surface) ||
+                                      is_seen_from_its_edge(seen->second, std::get<2>(surface), rays, lens)))
+            taken.insert(surface);
+    }
     rule.takes = [taken, of_light, takes = rule.takes](const Highlight& light, const SheetKey& key,
                                                        const BrightSheet& sheet) {
         return taken.contains(of_light(light, key)) && takes(light, key, sheet);
@@ -98,7 +128,7 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
     take_highlights(sheets, rule);
     LightElsewhere less{.above = rule.above};
     if (taken.empty()) return less;
-    for (const auto& [surface, all] : taken) less.ids.push_back(std::get<2>(surface));
+    for (const SurfaceSeen& surface : taken) less.ids.push_back(std::get<2>(surface));
     std::sort(less.ids.begin(), less.ids.end());
     less.ids.erase(std::unique(less.ids.begin(), less.ids.end()), less.ids.end());
     less.of = [taken = std::move(taken), moves](NodePath path, std::uint32_t parent_id, std::uint32_t id,

@@ -422,5 +422,27 @@ TEST(LightsWithRays, HaveNoHighlightsWhereRaysShowThem) {
     EXPECT_EQ(largest(), 0);
 }
 
+// All views see light where it fills its blur. Only the edge of a bright board is spread by impulse
+// responses.
+TEST(LightsWithRays, ShowBrightLightThatFillsItsBlur) {
+    SceneBuilder b;
+    b.add(board(-9, 0, -9, 9, 4), glowing({12, 8, 4}));
+    b.scene.sha256 = std::string(64, 'b');
+    b.scene.cameras[0].width = 240;
+    b.scene.cameras[0].height = 64;
+    const Case c{"", 1.4, 1};
+    const TracedFrame frame(b.scene, traced_for(c));
+    FocusFrame light_field(frame.file(), true);
+    HybridSettings s = hybrid_of(c, 50, 2);
+    s.scene = &b.scene;
+    HalvedViews views(light_field, s);
+    views.draw(std::vector<int>(views.grid().count(), 2));
+    const std::vector<float>& light = views.half(0).light_square;
+    ASSERT_FALSE(light.empty());
+    const auto at = [&](int x) { return light[static_cast<std::size_t>(240 * 32 + x)]; };
+    EXPECT_EQ(at(60), 0);
+    EXPECT_GT(at(114), 0);
+}
+
 }  // namespace
 }  // namespace postlens::test::lights_with_rays_test
