@@ -95,7 +95,8 @@ class Instant {
             return;
         constexpr int more = beyond_records_px;
         lens_.emplace(rays_, camera_, settings.whitted.bend_radius_m, settings.whitted.max_depth,
-                      w.x_begin - more, w.x_end + more + 1, w.y_begin - more, w.y_end + more + 1);
+                      settings.narrow_strip_px, w.x_begin - more, w.x_end + more + 1, w.y_begin - more,
+                      w.y_end + more + 1);
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
     Instant(const Instant&) = delete;
@@ -119,6 +120,7 @@ class Instant {
             out.count = *settings.hidden_layers;
         } else {
             if (motion_ && motion_->anything_moves()) out.motion = &*motion_;
+            out.same_place_px = settings.narrow_strip_px;
             if (lens_) out.lens = &*lens_;
             if (!out.all()) out.count = HiddenLayers::most;
         }

@@ -42,6 +42,11 @@ struct TraceSettings {
     /// RMS error, which grows with the square of the time between instants if the light changes smoothly.
     /// Half as many instants then suffice.
     static constexpr double ray_light_db = 31;
+    /// Width, px, up to which strips of hidden surfaces that a lens or motion reveals are not recorded.
+    double narrow_strip_px = HiddenLayers::invisible_px;
+    /// Value of `narrow_strip_px` for methods that also trace rays into the scene. Rays replace all samples
+    /// within a leaf of an edge, which is half a pixel to a pixel wide on either side.
+    static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets `lens_radius_m` from the f-number of the lens: `for_f_number`, or that of the
     /// camera if absent, or 1.4 if both are absent. If `for_f_number` is given, `bend_radius_m`, the lens

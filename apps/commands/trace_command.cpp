@@ -110,6 +110,7 @@ CommandResult run_trace(const TraceOptions& options) {
     if (options.for_rays) {
         settings.degrees_per_key = TraceSettings::ray_degrees_per_key;
         settings.light_db = TraceSettings::ray_light_db;
+        settings.narrow_strip_px = TraceSettings::ray_narrow_strip_px;
     }
     settings.made_by = options.made_by;
     if (const auto& shared = options.shared) {

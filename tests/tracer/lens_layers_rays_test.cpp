@@ -66,7 +66,7 @@ Tally expect_all_seen_chosen(const Scene& scene) {
             const double part = gain_px_m * std::abs(1 / static_cast<double>(layers.at(0).front().z) -
                                                      1 / static_cast<double>(r.z));
             if (layer == 1) {
-                EXPECT_LT(part, LensReach::same_place_px) << at.second << ' ' << at.first;
+                EXPECT_LT(part, HiddenLayers::invisible_px) << at.second << ' ' << at.first;
             }
         }
     }

@@ -85,6 +85,20 @@ TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
     }
 }
 
+TEST(LensLayers, NoStripThatIsTooNarrow) {
+    for (const double strip_px : {1.5, 2.5}) {
+        SceneBuilder b = wide();
+        add_plate(b, 1, 60.3);
+        add_wall(b, 1 / (1 - strip_px / gain_px_m));
+        const auto has_hidden = [&](double same_place_px) {
+            const std::vector<Record> records = sampled(b.scene, true, HiddenLayers::most, 1, same_place_px);
+            return std::ranges::any_of(records, [](const Record& r) { return r.layer > 0; });
+        };
+        EXPECT_TRUE(has_hidden(HiddenLayers::invisible_px));
+        EXPECT_EQ(has_hidden(2), strip_px > 2);
+    }
+}
+
 // A rectangle at z that fills columns [begin, end) px of a raster rotated by 0.1 rad about its centre, so
 // that its edges cross rows and columns of corners.
 constexpr double turn = 0.1;

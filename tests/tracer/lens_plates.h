@@ -40,12 +40,13 @@ inline SceneBuilder wide() {
 }
 
 /// The records of all corners with at most `count` hidden layers: all that are found, or those that are
-/// recorded for the lens.
-inline std::vector<Record> sampled(const Scene& scene, bool for_lens, int count, int levels = 1) {
+/// recorded for the lens, without strips of up to `same_place_px`.
+inline std::vector<Record> sampled(const Scene& scene, bool for_lens, int count, int levels = 1,
+                                   double same_place_px = HiddenLayers::invisible_px) {
     const RayScene rays(scene, scene.time_s);
     const CameraModel camera(scene.cameras[0], scene.time_s);
     const WhittedSettings settings;
-    const LensReach reach(rays, camera, radius_m, settings.max_depth, -16, width_px + 17, -16,
+    const LensReach reach(rays, camera, radius_m, settings.max_depth, same_place_px, -16, width_px + 17, -16,
                           height_px + 17);
     const WhittedTracer tracer(rays, camera, settings, {count, nullptr, for_lens ? &reach : nullptr});
     std::vector<Record> out;

@@ -13,10 +13,6 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Two surfaces that move by up to this value, px, relative to each other on the film are assumed to uncover
-// nothing. So narrow a strip is not visible, because a pixel is the mean of at least four samples.
-constexpr double same_place_px = 0.25;
-
 // Largest number of surfaces that one ray enters or leaves. It limits the time for rays through foliage.
 constexpr int most_crossings = 256;
 
@@ -194,7 +190,7 @@ class Follower {
         const auto part = [&](const Places& other) {
             for (std::size_t i = 0; i < mine.size(); ++i) {
                 if (mine[i].has_value() != other[i].has_value()) return true;
-                if (mine[i] && glm::length(*mine[i] - *other[i]) > same_place_px) return true;
+                if (mine[i] && glm::length(*mine[i] - *other[i]) > wanted_.same_place_px) return true;
             }
             return false;
         };

@@ -25,17 +25,21 @@ struct HiddenLayers {
     /// or the ray has bounced. It is smaller than `most_uncovered`, because motion reveals more behind an
     /// edge than a lens does.
     static constexpr int most_seen_past = 3;
+    /// A strip of a hidden surface that is not wider than this, px, is not visible, because a pixel is the
+    /// mean of at least four samples.
+    static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
     /// reveal a surface if it separates from each surface in front of it: at some instant, the two must be
-    /// more than a quarter of a pixel apart on the raster.
+    /// more than `same_place_px` apart on the raster.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. Surfaces behind reflections and refractions are included.
     const LensReach* lens = nullptr;
     /// The parts of all objects. Null if every object has a single part.
     const ObjectParts* parts = nullptr;
+    double same_place_px = invisible_px;  ///< only for `motion`; `lens` has its own
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };

@@ -31,8 +31,10 @@ WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
 }  // namespace
 
 LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m,
-                     int max_depth, int x_begin, int x_end, int y_begin, int y_end)
-    : aperture_radius_m_(aperture_radius_m), px_per_inverse_m_(aperture_radius_m / camera.tangent_per_px) {
+                     int max_depth, double same_place_px, int x_begin, int x_end, int y_begin, int y_end)
+    : aperture_radius_m_(aperture_radius_m),
+      same_place_px_(same_place_px),
+      px_per_inverse_m_(aperture_radius_m / camera.tangent_per_px) {
     const WhittedTracer tracer(scene, camera, settings_for(max_depth, aperture_radius_m));
     const int width = x_end - x_begin, height = y_end - y_begin;
     const int tiles_across = (width + tile - 1) / tile, tiles_down = (height + tile - 1) / tile;
@@ -112,7 +114,7 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
     const auto view = views_.find({covers.path.bits(), covers.parent});
     if (view == views_.end()) return false;
     const MinMaxPyramid& seen = view->second;
-    const double k = px_per_inverse_m_, least = same_place_px / k;
+    const double k = px_per_inverse_m_, least = same_place_px_ / k;
     if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // the usual case
     const auto edge_for = [&](double nearest) {
         const double radius = k * (nearest - behind) + margin_px;

@@ -28,10 +28,6 @@ namespace postlens {
 /// with the lens point. For a surface that is seen directly, this is the reciprocal of its depth.
 class LensReach {
   public:
-    /// Two surfaces are treated as one if, over the lens, their images shift by less than this value, px,
-    /// relative to each other. The strip of the farther surface that the lens sees past an edge is at most
-    /// this wide.
-    static constexpr double same_place_px = 0.25;
     /// Margin, px, around the strip of a hidden surface that the lens sees. There are two reasons. The
     /// position of an edge is known only up to the diagonal of a pixel. The recorded strip must include the
     /// corners of all pixels that show it.
@@ -47,8 +43,12 @@ class LensReach {
     /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
     /// Edges outside this window are not found. Requires `aperture_radius_m` > 0 and a perspective camera.
     /// `max_depth` must equal that of the trace. The result does not depend on the number of threads.
+    ///
+    /// Two surfaces are treated as one if, over the lens, their images shift by less than `same_place_px`,
+    /// px, relative to each other. The strip of the farther surface that the lens sees past an edge is at
+    /// most this wide.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
-              int x_begin, int x_end, int y_begin, int y_end);
+              double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
     /// The surfaces that one ray has passed so far ("covers"). They may hide the next surface on the ray.
     struct Covers {
@@ -89,7 +89,7 @@ class LensReach {
     static void add_chains(std::span<const Record> records, int x, int y, std::vector<Seen>& out);
     void add_view(const View& view, std::span<const Seen> seen);
 
-    double aperture_radius_m_;
+    double aperture_radius_m_, same_place_px_;
     /// Factor that converts a difference of inverse depths, 1/m, to a shift, px. The shift is that of two
     /// surfaces' images relative to each other when the lens point moves from the centre of the lens to its
     /// outline. The factor is the lens radius, m, divided by the camera's tangent per pixel.
