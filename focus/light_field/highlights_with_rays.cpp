@@ -36,9 +36,10 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// If bright light fills at least this share of the squares within its blur, nearly all views show it, and an
-/// impulse response would not reduce their noise.
-constexpr double filling = 0.9;
+/// If bright light fills at least this share of the squares within its blur, many views show it, and impulse
+/// responses reduce the noise so little that more views take less time. With 0.5 instead of 0.9, `auto` took
+/// 0 to 70 % less time in four random scenes with a bright floor.
+constexpr double filling = 0.5;
 
 /// Returns whether the bright light around a directly visible surface fills the squares within its blur.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {

@@ -13,7 +13,7 @@ namespace postlens {
 /// A ray knows which surface it hits, but not which part of the surface is selected. All radiance of a
 /// surface above the limit is therefore selected, or none of it. None is selected if different rays get
 /// different radiance (SightRays::steady), or if the records lack some of the surface's bright light. None is
-/// selected either if the light fills its blur, because nearly all views then show it.
+/// selected either if the light fills most of its blur, because many views then show it.
 ///
 /// If nothing moves, rays then measure the edges of the highlights (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
