@@ -1,11 +1,17 @@
 // OpenEXR files of other programs: which channels belong together.
 #include "pictures/foreign/foreign_picture.h"
 
+#include <Imath/half.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <map>
+#include <random>
+#include <span>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -38,6 +44,63 @@ TEST(Foreign, AMissingThreadIsNoDamage) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
     };
     EXPECT_THROW(foreign::guarded("a.exr", no_thread), std::system_error);
+}
+
+// Several chunks, of which the last has fewer rows, in both orders, and channels of all types.
+TEST_F(ForeignPictureTest, ValuesAreTheSameWithEveryCompression) {
+    constexpr int columns = 37, rows = 35;
+    const Imath::Box2i display({0, 0}, {99, 99}), data({-3, 5}, {columns - 4, rows + 4});
+    std::mt19937 random(3);
+    const auto pixels = static_cast<std::size_t>(columns * rows);
+    std::vector<Imath::half> halves(pixels);
+    std::vector<float> floats(pixels);
+    std::vector<std::uint32_t> wholes(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        halves[i].setBits(static_cast<std::uint16_t>(random() % 0x7c00));  // all finite positive ones
+        floats[i] = static_cast<float>(random()) / 7;
+        wholes[i] = static_cast<std::uint32_t>(random() % 1000);
+    }
+    for (const auto compression : {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION,
+                                   Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+        for (const auto order : {Imf::INCREASING_Y, Imf::DECREASING_Y}) {
+            SCOPED_TRACE(static_cast<int>(compression));
+            Imf::Header h(display, data);
+            h.compression() = compression;
+            h.lineOrder() = order;
+            Imf::FrameBuffer frame;
+            const auto add = [&](const char* name, Imf::PixelType type, auto& values) {
+                h.channels().insert(name, Imf::Channel(type));
+                constexpr std::size_t bytes = sizeof(values[0]);
+                frame.insert(name, Imf::Slice(type,
+                                              reinterpret_cast<char*>(values.data() -
+                                                                      (data.min.y * columns + data.min.x)),
+                                              bytes, bytes * columns));
+            };
+            add("a", Imf::HALF, halves);
+            add("b", Imf::FLOAT, floats);
+            add("c", Imf::UINT, wholes);
+            add("d", Imf::HALF, halves);
+            {
+                Imf::OutputFile out(in("a.exr").c_str(), h);
+                out.setFrameBuffer(frame);
+                out.writePixels(rows);
+            }
+            const ForeignFile file(in("a.exr"));
+            int y = data.min.y;
+            const std::vector<std::string> names{"c", "d", "b"};
+            file.read_flat(0, names, [&](int row, std::span<const float* const> values) {
+                ASSERT_EQ(row, y);
+                for (std::size_t x = 0; x < columns; ++x) {
+                    const std::size_t i = static_cast<std::size_t>(y - data.min.y) * columns + x;
+                    EXPECT_EQ(std::bit_cast<std::uint32_t>(values[0][x]), wholes[i]);
+                    EXPECT_EQ(values[1][x], static_cast<float>(halves[i]));
+                    EXPECT_EQ(values[2][x], floats[i]);
+                }
+                ++y;
+            });
+            EXPECT_EQ(y, data.max.y + 1);
+        }
+    }
 }
 
 TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
