@@ -30,12 +30,28 @@ namespace {
 constexpr std::size_t rows_per_task = 4;
 
 DepthRange depth_range(const ForeignPicture& picture) {
-    float nearest = 0, farthest = std::numeric_limits<float>::infinity();  // as inverses
-    for (const StackSample& s : picture.samples) {
-        const float inverse_z = s.spread_inverse_z();
-        if (inverse_z == 0) continue;
-        nearest = std::max(nearest, inverse_z);
-        farthest = std::min(farthest, inverse_z);
+    struct Inverses {
+        float nearest = 0, farthest = std::numeric_limits<float>::infinity();
+    };
+    constexpr std::size_t samples_per_task = std::size_t{1} << 16;
+    std::vector<Inverses> of_task(picture.samples.size() / samples_per_task + 1);
+    parallel_for(of_task.size(), [&](std::size_t task) {
+        Inverses range;
+        const std::size_t begin = task * samples_per_task;
+        for (const StackSample& s :
+             std::span(picture.samples)
+                 .subspan(begin, std::min(samples_per_task, picture.samples.size() - begin))) {
+            const float inverse_z = s.spread_inverse_z();
+            if (inverse_z == 0) continue;
+            range.nearest = std::max(range.nearest, inverse_z);
+            range.farthest = std::min(range.farthest, inverse_z);
+        }
+        of_task[task] = range;
+    });
+    float nearest = 0, farthest = std::numeric_limits<float>::infinity();
+    for (const Inverses& range : of_task) {
+        nearest = std::max(nearest, range.nearest);
+        farthest = std::min(farthest, range.farthest);
     }
     DepthRange out;
     if (nearest > 0) {
@@ -344,6 +360,9 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
 
 /// The pixels of a window of the image, without blur.
 Image cut(const ForeignPicture& p, const RasterWindow& window) {
+    if (window.x_begin == 0 && window.y_begin == 0 && window.width() == p.width &&
+        window.height() == p.height)
+        return p.flattened();
     ForeignPicture moved = p;
     moved.x_begin -= window.x_begin;
     moved.x_end -= window.x_begin;

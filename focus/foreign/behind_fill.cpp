@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -36,6 +37,18 @@ bool is_farther(const Radii& other, const Radii& own) {
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
 }
 
+/// Returns whether `is` returns true for any sample.
+template <typename Is>
+bool any_sample(const ForeignPicture& picture, const Is& is) {
+    std::atomic<bool> found = false;
+    constexpr std::size_t samples_per_task = std::size_t{1} << 16;
+    parallel_chunks(picture.samples.size(), samples_per_task, [&](std::size_t begin, std::size_t end) {
+        const auto samples = std::span(picture.samples).subspan(begin, end - begin);
+        if (!found && std::any_of(samples.begin(), samples.end(), is)) found = true;
+    });
+    return found;
+}
+
 }  // namespace
 
 FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture) {
@@ -54,13 +67,10 @@ class BehindSearch::Impl {
           aberration_px_(static_cast<float>(aberration_px)),
           width_(picture.x_end - picture.x_begin),
           height_(picture.y_end - picture.y_begin),
-          has_ids_(std::any_of(picture.samples.begin(), picture.samples.end(),
-                               [](const StackSample& s) { return s.id != 0; })),
+          has_ids_(any_sample(picture, [](const StackSample& s) { return s.id != 0; })),
           last_px_(pixels()),
-          blur_px_(std::any_of(picture.samples.begin(), picture.samples.end(),
-                               [](const StackSample& s) { return s.moved_inverse_z >= 0; })
-                       ? pixels()
-                       : 0),
+          blur_px_(any_sample(picture, [](const StackSample& s) { return s.moved_inverse_z >= 0; }) ? pixels()
+                                                                                                    : 0),
           opaque_(pixels()) {
         std::vector<float> widest_px(static_cast<std::size_t>(height_), 0.0F);  // of each row
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -106,7 +116,8 @@ class BehindSearch::Impl {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                if (last.is_nothing() ||
+                // The transmittance of a stack of one sample was computed for `opaque_`.
+                if (last.is_nothing() || (opaque_[i] != 0 && p_.stack_of(i).size() == 1) ||
                     transmittance_behind(p_.stack_of(i), p_.is_nothing_behind(i)) <= opaque_transmittance)
                     continue;
                 fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {

@@ -22,6 +22,7 @@ namespace {
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
+    if (camera.depth_along != DepthAlong::ray) return static_cast<float>(1 / camera.metres_per_unit);
     const double pitch = picture.pixel_pitch_mm() / camera.film_distance_mm;
     const std::size_t column = pixel % width, row = pixel / width;
     const double u = (picture.x_begin + static_cast<double>(column) + 0.5 - picture.width / 2.0) * pitch *
@@ -29,8 +30,7 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
                      camera.centre_x,
                  v = (picture.y_begin + static_cast<double>(row) + 0.5 - picture.height / 2.0) * pitch +
                      camera.centre_y;
-    const bool along_ray = camera.depth_along == DepthAlong::ray;
-    return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
+    return static_cast<float>(std::sqrt(1 + u * u + v * v) / camera.metres_per_unit);
 }
 
 /// Finds edge pixels in which an opaque object covers part of the sky. The sky has a colour but an alpha of
@@ -80,10 +80,12 @@ void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
         return std::pair(part.data.x_min + static_cast<int>(i % width),
                          part.data.y_min + static_cast<int>(i / width));
     };
-    for (std::size_t i = 0; i < pixels; ++i) {
-        const auto [x, y] = place(i);
-        for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k)
-            picture.samples[k].inverse_z = inverse(depths[i], x, y);
+    std::size_t i = 0;
+    for (int y = part.data.y_min; y <= part.data.y_max; ++y) {
+        for (int x = part.data.x_min; x <= part.data.x_max; ++x, ++i) {
+            for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k)
+                picture.samples[k].inverse_z = inverse(depths[i], x, y);
+        }
     }
     const auto share = [&](std::size_t count) {
         return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels, 1));
@@ -145,6 +147,7 @@ void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, For
             const auto stack = std::span(picture.samples)
                                    .subspan(picture.offsets[i], picture.offsets[i + 1] - picture.offsets[i]);
             for (StackSample& s : stack) s.inverse_z = scaled(s.inverse_z, scale);
+            if (stack.size() < 2) continue;  // std::stable_sort would allocate memory
             std::stable_sort(stack.begin(), stack.end(), [](const StackSample& a, const StackSample& b) {
                 return a.inverse_z > b.inverse_z;
             });

@@ -79,6 +79,7 @@ bool ForeignPicture::is_opaque() const {
     parallel_for(static_cast<std::size_t>(std::max(0, y_end - y_begin)), [&](std::size_t row) {
         for (std::size_t i = row * columns; i < (row + 1) * columns && opaque; ++i) {
             const auto samples_here = stack_of(i);
+            if (samples_here.size() == 1 && samples_here[0].alpha == 1 && !samples_here[0].holdout) continue;
             if (composited(samples_here).alpha < 1 || std::any_of(samples_here.begin(), samples_here.end(),
                                                                   [](const auto& s) { return s.holdout; }))
                 opaque = false;

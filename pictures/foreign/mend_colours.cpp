@@ -11,10 +11,6 @@
 namespace postlens {
 namespace {
 
-bool finite(const StackSample& s) {
-    return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
-}
-
 /// Returns the sample with the mean colour of the finite neighbours of the pixel (x, y), which is relative to
 /// the first stored pixel. Returns empty if no neighbour is finite.
 std::optional<StackSample> mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
@@ -24,7 +20,7 @@ std::optional<StackSample> mean_around(const ForeignPicture& p, StackSample s, i
     for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v) {
         for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
             const auto around = p.stack(p.x_begin + u, p.y_begin + v);
-            if (around.empty() || !finite(around[0])) continue;
+            if (around.empty() || !has_finite_colour(around[0])) continue;
             sum[0] += static_cast<double>(around[0].r);
             sum[1] += static_cast<double>(around[0].g);
             sum[2] += static_cast<double>(around[0].b);
@@ -46,7 +42,7 @@ MendedColours mend_colours(ForeignPicture& picture) {
     const int width = picture.x_end - picture.x_begin;
     for (std::size_t i = 0; i + 1 < picture.offsets.size(); ++i) {
         for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k) {
-            if (finite(picture.samples[k])) continue;
+            if (has_finite_colour(picture.samples[k])) continue;
             StackSample black = picture.samples[k];
             black.r = black.g = black.b = 0;
             std::optional<StackSample> mean;

@@ -1,11 +1,16 @@
 // Replaces colours of another program's image that are not finite.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
+
+[[nodiscard]] inline bool has_finite_colour(const StackSample& s) {
+    return std::isfinite(s.r) && std::isfinite(s.g) && std::isfinite(s.b);
+}
 
 /// Numbers of samples whose colours mend_colours has replaced.
 struct MendedColours {

@@ -78,7 +78,7 @@ class Reader {
             read_flat();
         }
         depths_.finish(file_, *part_, out_);
-        bad_colours_ = mend_colours(out_);
+        if (!finite_colours_) bad_colours_ = mend_colours(out_);
         report();
         return std::move(out_);
     }
@@ -134,6 +134,7 @@ class Reader {
         // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept, and repaired
         // later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
+        finite_colours_ = finite_colours_ && has_finite_colour(s);
         out_.samples.push_back(s);
     }
 
@@ -174,7 +175,8 @@ class Reader {
         // because a damaged file may claim more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
-        make_room(std::min(pixels(), most_at_once));
+        // A mixed pixel later gets several samples (unmix_edges).
+        make_room(std::min(pixels() + pixels() / 8, most_at_once));
         channels.read([&](int, std::span<const float* const> values) {
             make_room(width);
             for (std::size_t x = 0; x < width; ++x) {
@@ -337,6 +339,7 @@ class Reader {
     ForeignDepths depths_;
     std::array<double, 3> luminance_{};
     ForeignPicture out_;
+    bool finite_colours_ = true;  ///< of all samples so far
     MendedColours bad_colours_;
     std::size_t bad_alphas_ = 0;
 };

@@ -243,29 +243,32 @@ std::size_t unmix_edges(ForeignPicture& picture) {
         parallel_for(
             stacks.size(), [&](std::size_t i) { stacks[i] = unmixer.apart(picture.mixed[i]); }, 64);
     }
-    require_memory((picture.samples.size() + picture.shares.size()) * sizeof(StackSample) +
-                       picture.offsets.size() * sizeof(std::uint64_t),
-                   "edges taken apart");
-    std::vector<StackSample> samples;
-    samples.reserve(picture.samples.size() + picture.shares.size());
-    std::vector<std::uint64_t> offsets{0};
-    offsets.reserve(picture.offsets.size());
-    std::size_t next = 0, count = 0;
-    for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-        const bool is_mixed = next < picture.mixed.size() && picture.mixed[next].pixel == pixel;
-        if (is_mixed && !stacks[next].empty()) {
-            samples.insert(samples.end(), stacks[next].begin(), stacks[next].end());
-            ++count;
-        } else {
-            samples.insert(samples.end(),
-                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel]),
-                           picture.samples.begin() + static_cast<std::ptrdiff_t>(picture.offsets[pixel + 1]));
-        }
-        if (is_mixed) ++next;
-        offsets.push_back(samples.size());
+    std::size_t count = 0, more = 0;
+    for (std::size_t i = 0; i < stacks.size(); ++i) {
+        if (stacks[i].empty()) continue;
+        ++count;
+        // A mixed pixel has at most one sample.
+        more += stacks[i].size() - picture.stack_of(picture.mixed[i].pixel).size();
     }
-    picture.samples = std::move(samples);
-    picture.offsets = std::move(offsets);
+    std::vector<StackSample>& samples = picture.samples;
+    std::vector<std::uint64_t>& offsets = picture.offsets;
+    std::size_t end = samples.size(), to = end + more;
+    if (samples.capacity() < to) require_memory(to * sizeof(StackSample), "edges taken apart");
+    samples.reserve(to);
+    samples.resize(to);
+    // From the last mixed pixel to the first, the samples behind it are moved by `to - end`, and then the
+    // pixel's own sample is replaced. No sample is overwritten before it is moved.
+    const auto at = [&](std::size_t i) { return samples.begin() + static_cast<std::ptrdiff_t>(i); };
+    for (std::size_t i = stacks.size(), last = pixels; i-- > 0;) {
+        if (stacks[i].empty()) continue;
+        const std::size_t pixel = picture.mixed[i].pixel, begin = offsets[pixel];
+        const std::size_t behind = end - offsets[pixel + 1], by = to - end;
+        if (by > 0) std::move_backward(at(end - behind), at(end), at(to));
+        for (; last > pixel; --last) offsets[last] += by;
+        to -= behind + stacks[i].size();
+        std::copy(stacks[i].begin(), stacks[i].end(), at(to));
+        end = begin;
+    }
     picture.mixed.clear();
     picture.shares.clear();
     return count;
