@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <tbb/enumerable_thread_specific.h>
 #include <tuple>
 
 #include "core/threads.h"
@@ -35,8 +36,15 @@ void RadianceRange::include(const RadianceRange& other) {
     include(other.most);
 }
 
+struct LayerSplats::Builders {
+    explicit Builders(LayerSplats& splats) : of_thread([&splats] { return RowBuilder(splats); }) {}
+    tbb::enumerable_thread_specific<RowBuilder> of_thread;
+};
+
+LayerSplats::~LayerSplats() = default;
+
 void LayerSplats::add_pixels(int y, std::span<const PixelLight> lights) {
-    RowBuilder(*this).build(lights, y);
+    builders_->of_thread.local().build(lights, y);
 }
 
 LayerSplats::LayerSplats(const RasterWindow& source, const RasterWindow& picture,
@@ -46,6 +54,7 @@ LayerSplats::LayerSplats(const RasterWindow& source, const RasterWindow& picture
       picture_(picture),
       responses_(geometry, levels, model, response ? std::move(response) : std::make_shared<ResponseModel>()),
       kernels_(levels.radius_px(), kernel_reach(source, picture), responses_.model()),
+      builders_(std::make_unique<Builders>(*this)),
       border_(source),
       rows_(static_cast<std::size_t>(source.height())) {}
 
@@ -204,6 +213,7 @@ void LayerSplats::begin_tile_rows() {
 }
 
 void LayerSplats::finish() {
+    builders_->of_thread.clear();
     kernels_.build();
     for (const Row& row : rows_) {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());

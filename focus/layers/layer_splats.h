@@ -96,6 +96,11 @@ class LayerSplats {
     LayerSplats(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
+    ~LayerSplats();
+    LayerSplats(const LayerSplats&) = delete;
+    LayerSplats& operator=(const LayerSplats&) = delete;
+    LayerSplats(LayerSplats&&) = delete;
+    LayerSplats& operator=(LayerSplats&&) = delete;
 
     /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` contains the records of these
     /// rows. It must also contain the row above and the row below, if the source window has them. Throws
@@ -153,6 +158,7 @@ class LayerSplats {
 
   private:
     class RowBuilder;
+    struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
     /// The splats of one source row.
     struct Row {
@@ -187,6 +193,7 @@ class LayerSplats {
     RasterWindow source_, picture_, known_;
     NodeResponses responses_;
     KernelTable kernels_;
+    std::unique_ptr<Builders> builders_;  ///< those of add_pixels
     BorderRadii border_;
     std::vector<Row> rows_;
     std::vector<LayerPart> parts_;

@@ -10,31 +10,28 @@ namespace {
 // Alias declarations would lose the attributes.
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
-typedef double TwoDoubles __attribute__((vector_size(16)));
-/// Unaligned types, only used to load and store values. Variables are FourDoubles and TwoDoubles, because the
-/// compiler keeps only these in registers.
+typedef double EightDoubles __attribute__((vector_size(64)));
+/// Unaligned types, only used to load and store values. Variables are FourDoubles and EightDoubles, because
+/// the compiler keeps only these in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
 /// The values of one splat that are multiplied by the kernel and added to a pixel.
 struct PlainValues {
-    static constexpr std::size_t count = 6;
-    FourDoubles light{};
-    TwoDoubles depth{};
+    static constexpr std::size_t count = LayerSums::plain_values;
+    EightDoubles light;  ///< and depths
 
     PlainValues() = default;
     PlainValues(const LayerSplat& s, int /*x*/)
-        : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
-                static_cast<double>(s.weight)},
-          depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {}
+        : light{static_cast<double>(s.r),      static_cast<double>(s.g),     static_cast<double>(s.b),
+                static_cast<double>(s.weight), static_cast<double>(s.depth), static_cast<double>(s.covered)} {
+    }
     __attribute__((always_inline)) void add(const PlainValues& other, double tap) {
         light += other.light * tap;
-        depth += other.depth * tap;
     }
     __attribute__((always_inline)) void add_to(double* pixel, double /*y*/) const {
-        *reinterpret_cast<FourStored*>(pixel) += light;
-        *reinterpret_cast<TwoStored*>(pixel + 4) += depth;
+        *reinterpret_cast<EightStored*>(pixel) += light;
     }
 };
 
@@ -42,31 +39,35 @@ struct PlainValues {
 /// (sums of light times lens point). `by_lens` is the light times lens_per_px, and `by_x` is `by_lens` times
 /// the splat's x coordinate.
 struct LensValues {
-    static constexpr std::size_t count = 18;
-    FourDoubles light{}, by_lens{}, by_x{};
-    TwoDoubles depth{};
+    static constexpr std::size_t count = LayerSums::lens_values;
+    EightDoubles light;  ///< and by_lens
+    EightDoubles by_x;   ///< and depths
 
     LensValues() = default;
     /// `x` is the column of the splat's anchor, relative to the upper left corner of the block.
-    LensValues(const LayerSplat& s, int x)
-        : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
-                static_cast<double>(s.weight)},
-          by_lens(light * static_cast<double>(s.lens_per_px)),
-          by_x(by_lens * static_cast<double>(x)),
-          depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {}
+    LensValues(const LayerSplat& s, int x) {
+        const FourDoubles l{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
+                            static_cast<double>(s.weight)};
+        const FourDoubles by_lens = l * static_cast<double>(s.lens_per_px);
+        const FourDoubles times_x = by_lens * static_cast<double>(x);
+        light = EightDoubles{l[0], l[1], l[2], l[3], by_lens[0], by_lens[1], by_lens[2], by_lens[3]};
+        by_x = EightDoubles{times_x[0],
+                            times_x[1],
+                            times_x[2],
+                            times_x[3],
+                            static_cast<double>(s.depth),
+                            static_cast<double>(s.covered)};
+    }
     __attribute__((always_inline)) void add(const LensValues& other, double tap) {
         light += other.light * tap;
-        by_lens += other.by_lens * tap;
         by_x += other.by_x * tap;
-        depth += other.depth * tap;
     }
     /// `y` is the row of the splat's anchor, relative to the upper left corner of the block.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
-        *reinterpret_cast<FourStored*>(pixel) += light;
-        *reinterpret_cast<FourStored*>(pixel + 4) += by_lens;
-        *reinterpret_cast<FourStored*>(pixel + 8) += by_x;
-        *reinterpret_cast<FourStored*>(pixel + 12) += by_lens * y;
-        *reinterpret_cast<TwoStored*>(pixel + 16) += depth;
+        const FourDoubles by_lens = __builtin_shufflevector(light, light, 4, 5, 6, 7);
+        *reinterpret_cast<EightStored*>(pixel) += light;
+        *reinterpret_cast<EightStored*>(pixel + 8) += by_x;
+        *reinterpret_cast<FourStored*>(pixel + 16) += by_lens * y;
     }
 };
 
@@ -107,7 +108,7 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     const int last = static_cast<int>(values.size()) - 1, last_tap = static_cast<int>(taps.size()) - 1;
     const int to = std::min(end, first + last + last_tap + 1);
     for (int at = std::max(begin, first); at < to; ++at) {
-        Values sum;
+        Values sum{};
         const int tap_end = std::min(last_tap, at - first);
         for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
             sum.add(values[static_cast<std::size_t>(at - first - tap)], taps[static_cast<std::size_t>(tap)]);
@@ -145,7 +146,7 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
     // edges of this part are therefore added.
     int from = 0;
     if (x + row.x_begin < 0) {
-        Values sum;
+        Values sum{};
         for (std::size_t i = 0; i < values.size(); ++i) {
             const int column = -x - static_cast<int>(i);
             if (column >= row.x_begin && column < row.x_end) sum.add(values[i], kernel.at(row, column));
@@ -167,7 +168,7 @@ __attribute__((always_inline)) inline void add_one(const Values& values, const K
                                                    const KernelRow& row, int x, double y, int width,
                                                    double* sums, double* changes) {
     const auto add = [&](double* pixels, int at, double tap) __attribute__((always_inline)) {
-        Values product;
+        Values product{};
         product.add(values, tap);
         product.add_to(pixels + Values::count * static_cast<std::size_t>(at), y);
     };
@@ -190,6 +191,7 @@ __attribute__((always_inline)) inline void add_one(const Values& values, const K
 template <typename Values>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): too large to be set to 0 in each call
     std::array<Values, longest_run> values;
     for (std::size_t i = 0; i < pass.splats.size();) {
         const std::size_t run =
@@ -235,7 +237,7 @@ void add_with_lens(const LayerPass& pass) {
 /// Adds the prefix sums of `changes` to `sums`. `changes` contains the differences between neighbouring
 /// pixels of a row. The row has `width` pixels with `numbers` values per pixel.
 template <std::size_t numbers>
-void sum_row(double* sums, const double* changes, std::size_t width) {
+__attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};
     for (std::size_t i = 0; i < width; ++i) {
         for (std::size_t c = 0; c < numbers; ++c) {
@@ -245,6 +247,16 @@ void sum_row(double* sums, const double* changes, std::size_t width) {
     }
 }
 
+POSTLENS_MULTIVERSION
+void sum_plain_row(double* sums, const double* changes, std::size_t width) {
+    sum_row<PlainValues::count>(sums, changes, width);
+}
+
+POSTLENS_MULTIVERSION
+void sum_lens_row(double* sums, const double* changes, std::size_t width) {
+    sum_row<LensValues::count>(sums, changes, width);
+}
+
 }  // namespace
 
 void LayerSums::begin(const RasterWindow& rows, bool with_lens, double from_anchor_px) {
@@ -252,7 +264,7 @@ void LayerSums::begin(const RasterWindow& rows, bool with_lens, double from_anch
     from_anchor_px_ = from_anchor_px;
     with_lens_ = with_lens;
     width_ = static_cast<std::size_t>(rows.width()) + 1;
-    stride_ = with_lens ? LensValues::count : PlainValues::count;
+    stride_ = with_lens ? lens_values : plain_values;
     const std::size_t count = stride_ * width_ * static_cast<std::size_t>(rows.height());
     sums_.assign(count, 0.0);
     changes_.assign(count, 0.0);
@@ -271,9 +283,8 @@ void LayerSums::add(std::span<const LayerSplat> splats, const KernelTable& kerne
 void LayerSums::finish() {
     for (std::size_t row = 0; row < static_cast<std::size_t>(rows_.height()); ++row) {
         const std::size_t offset = stride_ * width_ * row;
-        (with_lens_ ? sum_row<LensValues::count> : sum_row<PlainValues::count>)(sums_.data() + offset,
-                                                                                changes_.data() + offset,
-                                                                                width_ - 1);
+        (with_lens_ ? sum_lens_row : sum_plain_row)(sums_.data() + offset, changes_.data() + offset,
+                                                    width_ - 1);
     }
 }
 
@@ -284,7 +295,7 @@ std::array<LensMoment, 4> LayerSums::lens_at(int x, int y) const {
     const double px = x - rows_.x_begin + 0.5 - from_anchor_px_,
                  py = y - rows_.y_begin + 0.5 - from_anchor_px_;
     for (std::size_t c = 0; c < 4; ++c) {
-        out[c] = {px * sums[4 + c] - sums[8 + c], py * sums[4 + c] - sums[12 + c]};
+        out[c] = {px * sums[4 + c] - sums[8 + c], py * sums[4 + c] - sums[16 + c]};
     }
     return out;
 }
