@@ -109,6 +109,11 @@ check_postlens() {
     done
 }
 
+# Returns whether build/PRESET/FILE exists, or is a target that the build of all targets leaves out.
+is_built() {
+    [[ -x $1 ]] || ninja -C "$(cut -d/ -f1-2 <<<"$1")" -t query "$(cut -d/ -f3- <<<"$1")" >/dev/null 2>&1
+}
+
 check_command() {
     local words word split
     # xargs splits a line into words as a shell does, and interprets quotes.
@@ -126,7 +131,7 @@ check_command() {
         bash | sh) [[ ${words[1]:-} == -* || -f ${words[1]:-} ]] || complain "there is no ${words[1]:-script to run}" ;;
         postlens | */apps/postlens) check_postlens "${words[@]:1}" ;;
         scripts/* | ./scripts/* | .ci/*) [[ -x ${words[0]} ]] || complain "${words[0]} is missing or not executable" ;;
-        build/* | ./build/*) [[ -x ${words[0]} ]] || complain "${words[0]} is not what the build makes" ;;
+        build/* | ./build/*) is_built "${words[0]#./}" || complain "${words[0]} is not what the build makes" ;;
         *) command -v -- "${words[0]}" >/dev/null || complain "there is no program ${words[0]}" ;;
     esac
     for word in "${words[@]:1}"; do
