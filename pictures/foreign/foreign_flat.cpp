@@ -57,6 +57,9 @@ class ChunkReader {
                           at_a_time = static_cast<std::size_t>(thread_count()) + 1;
         require_memory(at_a_time * (band_values * sizeof(float) + 4 * rows_of_band * row_bytes_),
                        "the bands of the picture that are read at a time");
+        // Per band: its values, and a chunk of its own, packed and unpacked.
+        require_memory(at_a_time * (band_values * sizeof(float) + 2 * rows_of_band * row_bytes_),
+                       "some bands of the picture");
         std::vector<Band> bands(at_a_time);
         std::vector<const float*> row(channels_.size());
         const auto first_row = [&](std::size_t i) {
