@@ -77,7 +77,7 @@ TEST_F(Pipeline, PinholePicturesAreOneBitForBit) {
 TEST_F(Pipeline, AsTheCircleVanishesThePictureIsThePinholes) {
     const SampleFileReader file(
         traced(busy_scene().scene,
-               {.camera = {.width = 100, .height = 75}, .subdivision = {.levels = 4}, .overscan_px = 7}));
+               {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 4}, .overscan_px = 7}));
     const Image stored = file.picture();
     for (const double f_number : {1e6, 1e9}) {
         for (const DepthModel model :

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <variant>
 #include <vector>
 
 #include "core/job.h"
@@ -27,7 +28,32 @@ struct BruteHit {
     double t = std::numeric_limits<double>::infinity();
     std::uint32_t object = 0;
 };
-BruteHit brute_force(const Scene& scene, dvec3 o, dvec3 d) {
+
+// A triangle of a mesh in the space of the world, with its edges from `a` and their cross product.
+struct WorldTriangle {
+    dvec3 a, e1, e2, n;
+};
+
+// The triangles of each object of a scene. Shapes that are not meshes have none.
+std::vector<std::vector<WorldTriangle>> world_triangles(const Scene& scene) {
+    std::vector<std::vector<WorldTriangle>> out(scene.objects.size());
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const Object& object = scene.objects[i];
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&object.shape);
+        if (mesh == nullptr) continue;
+        for (const glm::uvec3& t : (*mesh)->triangles) {
+            const auto at = [&](unsigned v) {
+                return dvec3(object.world_from_object * glm::dvec4(dvec3((*mesh)->positions[v]), 1));
+            };
+            const dvec3 a = at(t.x), e1 = at(t.y) - a, e2 = at(t.z) - a;
+            out[i].push_back({a, e1, e2, glm::cross(e1, e2)});
+        }
+    }
+    return out;
+}
+
+BruteHit brute_force(const Scene& scene, const std::vector<std::vector<WorldTriangle>>& triangles, dvec3 o,
+                     dvec3 d) {
     BruteHit best;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& object = scene.objects[i];
@@ -41,12 +67,7 @@ BruteHit brute_force(const Scene& scene, dvec3 o, dvec3 d) {
             for (int k = 0; k < found.count; ++k) take(found.t[k]);
             continue;
         }
-        const auto& mesh = *std::get<std::shared_ptr<const Mesh>>(object.shape);
-        for (const glm::uvec3& t : mesh.triangles) {
-            const auto at = [&](unsigned v) {
-                return dvec3(object.world_from_object * glm::dvec4(dvec3(mesh.positions[v]), 1));
-            };
-            const dvec3 a = at(t.x), e1 = at(t.y) - a, e2 = at(t.z) - a, n = glm::cross(e1, e2);
+        for (const auto& [a, e1, e2, n] : triangles[i]) {
             const double along = glm::dot(a - o, n) / glm::dot(d, n);
             const dvec3 p = o + along * d - a;
             const double u = glm::dot(glm::cross(p, e2), n) / glm::dot(n, n),
@@ -85,6 +106,7 @@ SceneBuilder mixed_scene() {
 TEST(Hits, PacketsFindWhatBruteForceFinds) {
     const SceneBuilder b = mixed_scene();
     const RayScene rays(b.scene, 0);
+    const auto triangles = world_triangles(b.scene);
     std::mt19937 random(11);
     std::uniform_real_distribution<double> u(-1, 1);
     for (const bool coherent : {true, false}) {
@@ -102,7 +124,7 @@ TEST(Hits, PacketsFindWhatBruteForceFinds) {
         rays.intersect(batch, coherent);
         int hits = 0, edges = 0;
         for (std::size_t i = 0; i < origins.size(); ++i) {
-            const BruteHit expected = brute_force(b.scene, origins[i], directions[i]);
+            const BruteHit expected = brute_force(b.scene, triangles, origins[i], directions[i]);
             const bool hit = batch.hit(i).valid();
             if (hit != std::isfinite(expected.t)) {
                 ++edges;
