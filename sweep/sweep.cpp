@@ -194,7 +194,8 @@ class Sweep {
             }
             if (sheet != nullptr) sheet->set(wanted[k], m.picture.image);
             while (finishing_.size() >= most_finishing(m.picture.image)) finish(progress);
-            start_finishing(wanted[k], std::move(m));
+            const double energy = pinhole_energy_for(m.picture);
+            start_finishing(wanted[k], std::move(m), energy);
             if (seconds_since(saved_) > 1) save();
         });
     }
@@ -222,14 +223,15 @@ class Sweep {
 
     /// Writes an image and computes its table values while the next images are made. This work is not
     /// cancelled with the sweep, so that a finished image is not lost.
-    void start_finishing(std::size_t i, Making made) {
-        finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
-                                  const ThreadLimit one(1);
-                                  const auto start = Clock::now();
-                                  SweepRow row = finished_row(i, made.picture);
-                                  row.seconds = made.seconds + seconds_since(start);
-                                  return row;
-                              })});
+    void start_finishing(std::size_t i, Making made, double pinhole_energy) {
+        finishing_.push_back(
+            {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
+                 const ThreadLimit one(1);
+                 const auto start = Clock::now();
+                 SweepRow row = finished_row(i, made.picture, pinhole_energy);
+                 row.seconds = made.seconds + seconds_since(start);
+                 return row;
+             })});
     }
 
     /// Waits until the oldest of the images in progress is written.
@@ -244,7 +246,7 @@ class Sweep {
         progress.advance();
     }
 
-    [[nodiscard]] SweepRow finished_row(std::size_t i, const MadePicture& made) const {
+    [[nodiscard]] SweepRow finished_row(std::size_t i, const MadePicture& made, double pinhole_energy) const {
         const SweepSetting& s = grid_.pictures[i];
         const std::filesystem::path path = folder_ / names_[i];
         const std::uint64_t checksum = write_image(path, made.image);
@@ -262,20 +264,43 @@ class Sweep {
                 std::max(row.largest_coc_px, std::abs(coc_px(static_cast<double>(inverse_z))));
         }
         row.in_focus_share = in_focus_share(depths_, made.geometry, settings_.coc_limit_px);
-        if (pinhole_energy_ > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy_;
+        if (pinhole_energy > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy;
         row.settings_key = keys_->of(s);
         row.picture_checksum = checksum_text(checksum);
         return row;
     }
 
-    /// Computes values that the table rows of all images need: the depths of the sample file, and the
-    /// gradient energy of the pinhole image.
-    void prepare() {
-        // To draw light fields, the frame of `maker_` keeps only the surfaces built from the records. A
-        // second frame then reads the records.
+    /// Calls `use` with a frame that reads the records. To draw light fields, the frame of `maker_` keeps
+    /// only the surfaces built from the records, so a second frame is then opened.
+    auto with_records(const auto& use) {
+        if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
-        FocusFrame& frame = by_records() ? maker_.frame() : once;
-        depths_ = frame_depths(frame);
+        return use(once);
+    }
+
+    /// Gradient energy of the pinhole image that shows the same part of the scene as `made`, which --framing
+    /// may have magnified.
+    double pinhole_energy_for(const MadePicture& made) {
+        const double zoom = made.geometry ? made.geometry->zoom : 1;
+        const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
+        if (is_new) {
+            FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
+                                  .method = FocusMethod::pinhole};
+            if (zoom != 1) {
+                // With this framing, the film lies at the focal length.
+                pinhole.framing = Framing::lens;
+                pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
+                pinhole.focus_distance_m = HUGE_VAL;
+            }
+            known->second = with_records(
+                [&](FocusFrame& frame) { return gradient_energy(focus_picture(frame, pinhole).image); });
+        }
+        return known->second;
+    }
+
+    /// Computes the depths of the sample file, which the table rows of all images need.
+    void prepare() {
+        depths_ = with_records([](FocusFrame& frame) { return frame_depths(frame); });
         const auto [low, high] = std::minmax_element(depths_.inverse_z.begin(), depths_.inverse_z.end());
         farthest_ = *low;
         nearest_ = *high;
@@ -283,10 +308,6 @@ class Sweep {
             const double z_m = depth_at(file_, at.x, at.y);
             inverse_z_at_.push_back(1 / z_m);
         }
-        pinhole_energy_ =
-            gradient_energy(focus_picture(frame, {.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
-                                                  .method = FocusMethod::pinhole})
-                                .image);
     }
 
     // Records a warning, like the command `focus`, if this lens makes objects in mirrors and glass appear at
@@ -352,7 +373,7 @@ class Sweep {
     FrameDepths depths_;
     float nearest_ = 0, farthest_ = 0;  ///< inverse depths, 1/m
     std::vector<double> inverse_z_at_;
-    double pinhole_energy_ = 0;
+    std::map<double, double> pinhole_energies_;  ///< by the magnification
     std::map<double, std::optional<FocusWarning>> bends_;
     Clock::time_point saved_ = Clock::now();
     SweepResult out_;

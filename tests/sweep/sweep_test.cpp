@@ -257,6 +257,18 @@ TEST_F(SweepFolder, TellsOfEveryPictureWhatTheLensDoes) {
     EXPECT_GT(read_image_size(*r.contact_sheet).width, 128);
 }
 
+TEST_F(SweepFolder, SharpnessIsRelativeToThePinholeThatShowsTheSame) {
+    SweepSettings s = two_by_two();
+    s.axes = {.focal_lengths_mm = {50, 80}, .f_numbers = {HUGE_VAL}, .focus_m = {2}};
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::lightfield}) {
+        for (const Framing framing : {Framing::lens, Framing::breathing}) {
+            s.picture = {.method = method, .framing = framing};
+            const SweepResult r = run(s);
+            for (const SweepRow& row : r.table.rows) EXPECT_NEAR(*row.sharpness, 1, 1e-9) << row.file;
+        }
+    }
+}
+
 TEST_F(SweepFolder, KeepsWhatIsStillAsItWasMade) {
     SweepSettings s = two_by_two();
     EXPECT_EQ(run(s).made, 4U);
