@@ -122,9 +122,10 @@ class Measured {
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
+            // The words do not contain --share, without which --share-by is refused.
             const bool replaced =
                 (!work_.amount_option.empty() && word.starts_with(work_.amount_option + "=")) ||
-                (work_.frames && word.starts_with("--frames="));
+                (work_.frames && word.starts_with("--frames=")) || word.starts_with("--share-by=");
             if (!replaced && word != "--resume" && word != "--keep") words.push_back(word);
         }
         words.insert(words.end(), more.begin(), more.end());

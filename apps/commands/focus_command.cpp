@@ -59,7 +59,7 @@ void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<W
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
     out.push_back(
         {"insufficient",
-         fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
+         fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {:.6g} at {:.6g} mm)",
                      *smallest, h.film_distance_mm, lens.f_number, lens.focal_length_mm)});
 }
 

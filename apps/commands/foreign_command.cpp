@@ -207,9 +207,12 @@ CommandResult focus_foreign(const FocusOptions& options) {
                  name);
         }
     }
-    if (options.retrace.lumens_per_watt) {
-        fail(ExitCode::wrong_arguments,
-             "--lumens-per-watt: not for a picture of another program (expected a sample file)");
+    for (const auto& [name, is_given] : std::initializer_list<std::pair<const char*, bool>>{
+             {"--lumens-per-watt", options.retrace.lumens_per_watt.has_value()},
+             {"--depth-model", options.depth_model != DepthModel::ray_differentials}}) {
+        if (!is_given) continue;
+        fail(ExitCode::wrong_arguments, "{}: not for a picture of another program (expected a sample file)",
+             name);
     }
     check_passes(options);
     LensOptions lens = options.lens;
@@ -231,6 +234,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const FocusMethod method = unplanned ? usual.method : options.method;
     // Most extra output channels (--passes) are computed from several views (images from single lens points).
     // With such a channel, --views is allowed for every method.
+    check_depth_options(options.spacing, options.depth_model, method);
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

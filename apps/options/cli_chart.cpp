@@ -1,5 +1,9 @@
 #include "apps/options/cli_chart.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "apps/commands/atlas_command.h"
 #include "apps/commands/chart_command.h"
 #include "apps/numbers.h"
@@ -11,6 +15,19 @@ void list_option(CLI::App& app, const std::string& name, std::vector<int>& to, c
     app.add_option_function<std::string>(
            name, [&to, name](const std::string& text) { to = parse_whole_list(name, text); }, help)
         ->type_name("N,N,...");
+}
+
+/// Throws if an option is given beside --atlas that has no effect there, because each case states its
+/// settings.
+void refuse_beside_atlas(const CLI::App& app) {
+    constexpr std::array<std::string_view, 7> used{"--atlas", "--output", "--restart",     "--threads",
+                                                   "--quiet", "--json",   "--requeue-code"};
+    for (const CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->count() > 0; })) {
+        const std::string name = option->get_name();
+        if (std::find(used.begin(), used.end(), name) != used.end()) continue;
+        fail(ExitCode::wrong_arguments,
+             "{}: not with --atlas, whose cases state their own settings (expected a scene)", name);
+    }
 }
 
 }  // namespace
@@ -74,16 +91,9 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
         o->request.join = common.join;
         // CLI11's option objects no longer exist when the command runs, so this flag is read now.
         const bool of_atlas = atlas_option->count() > 0;
+        if (of_atlas) refuse_beside_atlas(app);
         common.run = [=, asked = asked_for(app), words = words_of(app)] {
             if (of_atlas) {
-                if (o->request.share) {
-                    fail(ExitCode::wrong_arguments,
-                         "--share: not with --atlas, whose cases are small (expected a scene)");
-                }
-                if (o->exposure.stops || o->exposure.automatic) {
-                    fail(ExitCode::wrong_arguments,
-                         "--exposure: not with --atlas, whose scenes are lit for 0 stops (expected nothing)");
-                }
                 atlas->output = o->output;
                 atlas->restart = o->restart;
                 return run_atlas_command(*atlas);

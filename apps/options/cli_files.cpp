@@ -108,7 +108,10 @@ void add_compare(CLI::App& root, CommandOptions& s) {
            "maximum and median]",
            "Y", above_0);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_compare(s.compare); }; });
+    app.callback([&app, &s] {
+        go_with(app, {"--f-number", "--focus", "--focal-length", "--shutter", "--depths"}, "--map-causes");
+        s.common.run = [&s] { return run_compare(s.compare); };
+    });
 }
 
 void add_merge(CLI::App& root, CommandOptions& s) {

@@ -175,7 +175,10 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
         ->type_name("FILE");
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch of --impulse", "UM", above_0);
     common_options(app, common);
-    app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
+    app.callback([&app, &common, o] {
+        go_with(app, {"--pixel-pitch"}, "--impulse");
+        common.run = [o] { return run_lens_trace(*o); };
+    });
 }
 
 void add_fit(CLI::App& lens, ParsedCommand& common) {

@@ -95,6 +95,14 @@ CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<Time
         ->type_name("OPEN:CLOSE");
 }
 
+void go_with(const CLI::App& app, std::initializer_list<const char*> options, const std::string& other) {
+    if (app.count(other) > 0) return;
+    for (const char* option : options) {
+        if (app.count(option) > 0)
+            fail(ExitCode::wrong_arguments, "{}: goes with {} (got it alone)", option, other);
+    }
+}
+
 void common_options(CLI::App& app, ParsedCommand& to) {
     whole(app, "--threads", to.threads, "Threads to use, 0: all the machine has", "N",
           {.low = 0, .high = 4096});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -54,6 +55,8 @@ void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absen
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
+/// Throws if one of `options` is given without `other`, because it would have no effect. For callbacks.
+void go_with(const CLI::App& app, std::initializer_list<const char*> options, const std::string& other);
 /// Adds --strict, with which a warning changes the exit code.
 void strict_option(CLI::App& app, bool& to);
 /// Adds --salvage to a command that reads a sample file.

@@ -148,6 +148,7 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     dry_run_option(app, common);
     common_options(app, common);
     app.callback([o, &app, &common] {
+        go_with(app, {"--shutter-curve", "--paths"}, "--shutter");
         o->settings.join = common.join;
         // The lambda has copies of all options, because CLI11's option objects no longer exist when the
         // command runs.

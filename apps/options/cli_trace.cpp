@@ -36,6 +36,13 @@ void shutter_trace_options(CLI::App& app, TraceSettings& t) {
         ->type_name("K|auto");
 }
 
+/// Throws if an option states a number (`stated`) that --plan chooses.
+void refuse_planned(const CLI::App& app, const std::string& option, bool stated) {
+    if (app.count(option) == 0 || !stated) return;
+    fail(ExitCode::wrong_arguments, "{}: not with --plan, which chooses it (got {}; expected one of them)",
+         option, app.get_option(option)->results().front());
+}
+
 }  // namespace
 
 void add_trace(CLI::App& root, CommandOptions& s) {
@@ -94,7 +101,7 @@ void add_trace(CLI::App& root, CommandOptions& s) {
     app.add_flag(
         "--for-rays", o.for_rays,
         "Size the file for images that are made with --scene: one level of subdivision, as rays replace "
-        "what coarse records do not determine; --subdivide overrides this, except with --plan");
+        "what coarse records do not determine; --subdivide overrides this");
     app.add_flag(
         "--plan", o.plan,
         "Choose subdivision, hidden layers, overscan and keys for the lens and shutter named and for "
@@ -110,7 +117,16 @@ void add_trace(CLI::App& root, CommandOptions& s) {
             {"rle", RecordCompression::rle},
             {"zips", RecordCompression::zips}});
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.trace); }; });
+    app.callback([&app, &s] {
+        go_with(app, {"--for-focus"}, "--for-f-number");
+        go_with(app, {"--target-db"}, "--plan");
+        if (s.trace.plan) {
+            refuse_planned(app, "--subdivide", true);
+            refuse_planned(app, "--overscan", !s.trace.settings.overscan_auto);
+            refuse_planned(app, "--keys", s.trace.settings.keys.has_value());
+        }
+        s.common.run = [&s] { return run_frames(s.asked_frames(), s.trace); };
+    });
 }
 
 void add_render(CLI::App& root, CommandOptions& s) {
@@ -149,7 +165,16 @@ void add_render(CLI::App& root, CommandOptions& s) {
     app.add_flag("--resume", r.resume, "Go on from NAME.partial.exr, which an interrupted run has left");
     tree_options(app, r.tracing.max_depth, r.tracing.min_contribution);
     common_options(app, s.common);
-    app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.render); }; });
+    app.callback([&app, &s] {
+        go_with(app, {"--shutter-curve"}, "--shutter");
+        go_with(app, {"--share-by"}, "--share");
+        if (app.count("--time") > 0 && app.count("--shutter") > 0 && app.count("--frames") == 0) {
+            fail(ExitCode::wrong_arguments,
+                 "--time: not with --shutter, which states the instants (got both; expected one of them, or "
+                 "--frames)");
+        }
+        s.common.run = [&s] { return run_frames(s.asked_frames(), s.render); };
+    });
 }
 
 }  // namespace postlens

@@ -59,7 +59,9 @@ void check_request(const SampleFileReader& file, const HybridSettings& settings,
              settings.scene != nullptr ? "--scene" : method);
     }
     if (settings.focus.framing != Framing::keep) {
-        fail(ExitCode::wrong_arguments, "--framing: {} keeps the framing of the trace (expected keep)",
+        fail(ExitCode::wrong_arguments,
+             "--framing, --breathing: not with {}, as rays and views have the framing of the trace (expected "
+             "--framing keep)",
              method);
     }
     check_has_points(settings.focus.impulse);

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
+#include <tuple>
 #include <unistd.h>
 #include <vector>
 
@@ -378,6 +379,32 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     }
     refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--metres-per-unit", "2"}, two,
             "--metres-per-unit: of which scene?");
+    const Words still{"render", scene(), "-o", in("x.exr"), "--size", "8x8", "--spp", "1"},
+        record{"trace", scene(), "-o", in("x.exr"), "--size", "8x8"}, judge{"compare", frame, frame};
+    for (const auto& [words, more, other] : std::vector<std::tuple<Words, Words, const char*>>{
+             {record, {"--target-db", "30"}, "--plan"},
+             {record, {"--for-focus", "3"}, "--for-f-number"},
+             {still, {"--shutter-curve", "triangle"}, "--shutter"},
+             {still, {"--share-by", "samples"}, "--share"},
+             {sweep, {"--shutter-curve", "triangle", "--f-number", "2", "--focus", "1"}, "--shutter"},
+             {sweep, {"--paths", frame, "--f-number", "2", "--focus", "1"}, "--shutter"},
+             {judge, {"--f-number", "2"}, "--map-causes"},
+             {judge, {"--focus", "2"}, "--map-causes"},
+             {judge, {"--focal-length", "50"}, "--map-causes"},
+             {judge, {"--shutter", "0:1"}, "--map-causes"},
+             {judge, {"--depths", "8"}, "--map-causes"},
+             {{"lens", "trace", lens}, {"--pixel-pitch", "3"}, "--impulse"}}) {
+        refused(words + more, two, more[0] + ": goes with " + other + " (got it alone)");
+    }
+    refused(still + Words{"--shutter", "0:1", "--time", "1"}, two, "--time: not with --shutter");
+    for (const char* option : {"--subdivide", "--overscan", "--keys"}) {
+        refused(record + Words{"--for-shutter", "0:1", "--plan", option, "1"}, two,
+                std::string(option) + ": not with --plan, which chooses it (got 1; expected one of them)");
+    }
+    for (const Words& words : {shoot, sweep + Words{"--shutter", "0:1"}})
+        refused_with(words, {"--breathing"}, "--framing, --breathing: not with hybrid and shoot");
+    refused({"chart", "--atlas", in("."), "-o", in("c"), "--rays", "4"}, two,
+            "--rays: not with --atlas, whose cases state their own settings");
     // What must be given has no default.
     for (const char* command : {"coc", "dof"})
         EXPECT_NE(run({"lens", command, "--help"}).out.find("Focal length F, more than 0\n"),

@@ -261,6 +261,13 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
         refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", option, word}, two,
                 std::string(option) + ": not for a picture of another program");
     }
+    for (const auto& [option, word] : {std::pair("--lumens-per-watt", "2"), {"--depth-model", "path"}}) {
+        refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", option, word}, two,
+                std::string(option) + ": not for a picture of another program (expected a sample file)");
+    }
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--method", "lightfield", "--spacing",
+             "linear"},
+            two, "--spacing: not with the method lightfield (expected scatter or layers)");
     // What is no OpenEXR file is not taken for a sample file.
     std::ofstream(in("a.png")) << "png";
     refused({"focus", in("a.png"), "-o", o, "--film-width", "24"}, ExitCode::invalid_input,
