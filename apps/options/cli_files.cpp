@@ -175,8 +175,7 @@ void add_view(CLI::App& root, CommandOptions& s) {
             if (exports && app.count(name) > 0)
                 fail(ExitCode::wrong_arguments, "{}: not with --export, which starts no server", name);
         }
-        if (!exports && app.count("--export-mb") > 0)
-            fail(ExitCode::wrong_arguments, "--export-mb: goes with --export (got it alone)");
+        go_with(app, {"--export-mb"}, "--export");
         s.common.run = [&s] {
             return s.export_view.output.empty() ? run_view(s.view) : export_view(s.export_view);
         };

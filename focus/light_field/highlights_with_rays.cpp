@@ -44,14 +44,17 @@ constexpr double filling = 0.5;
 /// Returns whether the bright light around a directly visible surface fills the squares within its blur.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
     const auto [path, parent_id, id, x, y] = surface;
-    const int reach = static_cast<int>(std::ceil(all.at(surface).blur_px / SheetMesh::square_px)),
-              across = 2 * reach + 1;
+    constexpr double most_px = 1e5;  // wider than any image
+    const double blur_px = std::min(all.at(surface).blur_px, most_px);
+    const int reach = static_cast<int>(std::ceil(blur_px / SheetMesh::square_px));
     double area_px2 = 0;
-    for (int i = 0; i < across * across; ++i) {
-        const auto found = all.find({path, parent_id, id, x + i % across - reach, y + i / across - reach});
-        if (found != all.end()) area_px2 += static_cast<double>(found->second.area_px2);
+    for (int column = x - reach; column <= x + reach; ++column) {
+        // The squares of a column are neighbours in the map.
+        const auto end = all.upper_bound({path, parent_id, id, column, y + reach});
+        for (auto square = all.lower_bound({path, parent_id, id, column, y - reach}); square != end; ++square)
+            area_px2 += static_cast<double>(square->second.area_px2);
     }
-    return area_px2 >= filling * std::pow(across * SheetMesh::square_px, 2);
+    return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
 /// Returns whether the records contain all of a highlight's light, for every lens point. The parts of a

@@ -15,8 +15,8 @@ namespace postlens {
 /// rays. It is not measured if a nearer surface hides a part of the light. In mirrors and glass, only lights
 /// smaller than a pixel are measured.
 ///
-/// If light reaches the border of what is measured, rays follow it into the pixels beyond, also if no record
-/// there meets it.
+/// If light reaches the border of what is measured, rays follow it into the pixels beyond, even where no
+/// record meets it.
 ///
 /// `less` is the radiance of the highlights. Nothing may move. The result depends only on the arguments.
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
