@@ -33,11 +33,10 @@ SurfaceLight light_of(const LayerTerm* term) {
 /// pass through the same lens points as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        surface.rgb[c] += mask.alpha * rgb[c];
-        surface.lens[c].x += share * surface.lens[3].x * rgb[c];
-        surface.lens[c].y += share * surface.lens[3].y * rgb[c];
-    }
+    for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
+    const double added = share * (rgb[0] + rgb[1] + rgb[2]);
+    surface.lens.rgb.x += added * surface.lens.alpha.x;
+    surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
 /// Adds the radiance of a path, for example a mirror image, to `fragment`, the light of a surface at this

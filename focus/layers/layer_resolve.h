@@ -17,9 +17,9 @@ struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};
     double weight = 0;
-    double depth = 0;                  ///< weight times 1/z'
-    std::array<LensMoment, 4> lens{};  ///< lens moments of colour and weight
-    double covered = 0;                ///< LayerSplat::covered
+    double depth = 0;    ///< weight times 1/z'
+    LensMoments lens{};  ///< alpha is the moment of the weight
+    double covered = 0;  ///< LayerSplat::covered
 };
 
 /// A sum of weights below this counts as 0.

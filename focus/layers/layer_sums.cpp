@@ -20,12 +20,20 @@ typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias
 /// The values of one splat that are multiplied by the kernel and added to a pixel.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
-    EightDoubles light;  ///< and depths
+    EightDoubles light;
 
     PlainValues() = default;
-    PlainValues(const LayerSplat& s, int /*x*/)
-        : light{static_cast<double>(s.r),      static_cast<double>(s.g),     static_cast<double>(s.b),
-                static_cast<double>(s.weight), static_cast<double>(s.depth), static_cast<double>(s.covered)} {
+    PlainValues(const LayerSplat& s, int /*x*/) {
+        const auto r = static_cast<double>(s.r), g = static_cast<double>(s.g), b = static_cast<double>(s.b),
+                   weight = static_cast<double>(s.weight), lens_per_px = static_cast<double>(s.lens_per_px);
+        light = EightDoubles{r,
+                             g,
+                             b,
+                             weight,
+                             static_cast<double>(s.depth),
+                             static_cast<double>(s.covered),
+                             (r + g + b) * lens_per_px,
+                             weight * lens_per_px};
     }
     __attribute__((always_inline)) void add(const PlainValues& other, double tap) {
         light += other.light * tap;
@@ -36,38 +44,27 @@ struct PlainValues {
 };
 
 /// The values of PlainValues, and additional values from which LayerSums::lens_at() computes lens moments
-/// (sums of light times lens point). `by_lens` is the light times lens_per_px, and `by_x` is `by_lens` times
-/// the splat's x coordinate.
+/// (sums of light times lens point).
 struct LensValues {
     static constexpr std::size_t count = LayerSums::lens_values;
-    EightDoubles light;  ///< and by_lens
-    EightDoubles by_x;   ///< and depths
+    PlainValues plain;
+    FourDoubles moments;  ///< the last two values of `plain`, times x and times 1
 
     LensValues() = default;
     /// `x` is the column of the splat's anchor, relative to the upper left corner of the block.
-    LensValues(const LayerSplat& s, int x) {
-        const FourDoubles l{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
-                            static_cast<double>(s.weight)};
-        const FourDoubles by_lens = l * static_cast<double>(s.lens_per_px);
-        const FourDoubles times_x = by_lens * static_cast<double>(x);
-        light = EightDoubles{l[0], l[1], l[2], l[3], by_lens[0], by_lens[1], by_lens[2], by_lens[3]};
-        by_x = EightDoubles{times_x[0],
-                            times_x[1],
-                            times_x[2],
-                            times_x[3],
-                            static_cast<double>(s.depth),
-                            static_cast<double>(s.covered)};
+    LensValues(const LayerSplat& s, int x) : plain(s, x) {
+        const double column = x;
+        moments =
+            FourDoubles{plain.light[6] * column, plain.light[7] * column, plain.light[6], plain.light[7]};
     }
     __attribute__((always_inline)) void add(const LensValues& other, double tap) {
-        light += other.light * tap;
-        by_x += other.by_x * tap;
+        plain.add(other.plain, tap);
+        moments += other.moments * tap;
     }
     /// `y` is the row of the splat's anchor, relative to the upper left corner of the block.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
-        const FourDoubles by_lens = __builtin_shufflevector(light, light, 4, 5, 6, 7);
-        *reinterpret_cast<EightStored*>(pixel) += light;
-        *reinterpret_cast<EightStored*>(pixel + 8) += by_x;
-        *reinterpret_cast<FourStored*>(pixel + 16) += by_lens * y;
+        plain.add_to(pixel, y);
+        *reinterpret_cast<FourStored*>(pixel + PlainValues::count) += moments * FourDoubles{1, 1, y, y};
     }
 };
 
@@ -83,6 +80,9 @@ struct LayerPass {
 
 /// Largest number of splats that one call of add_run adds.
 constexpr std::size_t longest_run = 64;
+/// Number of zeros before and after the values of a run, with which short kernel rows need no special case at
+/// the run's ends.
+constexpr std::size_t padding = 4;
 
 /// Returns how many splats at the beginning of `splats` one call of add_run can add. They must have the same
 /// kernel, with the extent `reach`, and adjacent anchors, and reach the pixels `rows`.
@@ -99,15 +99,47 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
+/// Adds to each of `count` pixels the sum over all taps of values[pixel - tap] times taps[tap]. The number of
+/// taps is a template argument, because most kernel rows have so few that a loop over them takes longer than
+/// the sums.
+template <typename Values, int taps_end>
+__attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, double y,
+                                                        int count, double* pixels) {
+    for (int i = 0; i < count; ++i) {
+        Values sum{};
+        for (int tap = 0; tap < taps_end; ++tap) sum.add(values[i - tap], taps[tap]);
+        sum.add_to(pixels + Values::count * static_cast<std::size_t>(i), y);
+    }
+}
+
 /// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. The convolution begins
-/// at the pixel `first`, to which the first value times the first tap is added.
+/// at the pixel `first`, to which the first value times the first tap is added. At least `padding` values of
+/// 0 precede `values` in memory, and as many follow.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
                                                     int begin, int end, double* row) {
     const int last = static_cast<int>(values.size()) - 1, last_tap = static_cast<int>(taps.size()) - 1;
-    const int to = std::min(end, first + last + last_tap + 1);
-    for (int at = std::max(begin, first); at < to; ++at) {
+    const int from = std::max(begin, first), to = std::min(end, first + last + last_tap + 1);
+    const auto add_few = [&]<int taps_end>() __attribute__((always_inline)) {
+        convolve_few<Values, taps_end>(values.data() + (from - first), taps.data(), y, to - from,
+                                       row + Values::count * static_cast<std::size_t>(from));
+    };
+    switch (taps.size()) {
+        case 1:
+            return add_few.template operator()<1>();
+        case 2:
+            return add_few.template operator()<2>();
+        case 3:
+            return add_few.template operator()<3>();
+        case 4:
+            return add_few.template operator()<4>();
+        case 1 + padding:
+            return add_few.template operator()<1 + padding>();
+        default:
+            break;
+    }
+    for (int at = from; at < to; ++at) {
         Values sum{};
         const int tap_end = std::min(last_tap, at - first);
         for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
@@ -192,7 +224,8 @@ template <typename Values>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): too large to be set to 0 in each call
-    std::array<Values, longest_run> values;
+    std::array<Values, padding + longest_run + padding> values;
+    std::fill_n(values.begin(), padding, Values{});
     for (std::size_t i = 0; i < pass.splats.size();) {
         const std::size_t run =
             run_length(pass.splats.subspan(i), pass.kernels->reach(pass.splats[i].kernel), pass.rows);
@@ -202,7 +235,9 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
         }
         const LayerSplat& s = pass.splats[i];
         const int x = s.x - pass.rows.x_begin;
-        for (std::size_t k = 0; k < run; ++k) values[k] = Values(pass.splats[i + k], x + static_cast<int>(k));
+        for (std::size_t k = 0; k < run; ++k)
+            values[padding + k] = Values(pass.splats[i + k], x + static_cast<int>(k));
+        std::fill_n(values.data() + padding + run, padding, Values{});
         i += run;
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
         const int first = std::max(pass.rows.y_begin, s.y + kernel.y_begin);
@@ -215,10 +250,10 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
             double* changes = pass.changes + offset;
             const double of_anchor = s.y - pass.rows.y_begin;
             if (run == 1) {
-                add_one(values[0], kernel, row, x, of_anchor, width, sums, changes);
+                add_one(values[padding], kernel, row, x, of_anchor, width, sums, changes);
             } else {
-                add_run<Values>(std::span(values).first(run), kernel, row, x, of_anchor, width, sums, changes,
-                                *pass.taps);
+                add_run<Values>(std::span(values).subspan(padding, run), kernel, row, x, of_anchor, width,
+                                sums, changes, *pass.taps);
             }
         }
     }
@@ -288,16 +323,13 @@ void LayerSums::finish() {
     }
 }
 
-std::array<LensMoment, 4> LayerSums::lens_at(int x, int y) const {
-    std::array<LensMoment, 4> out{};
-    if (!with_lens_) return out;
+LensMoments LayerSums::lens_at(int x, int y) const {
+    if (!with_lens_) return {};
     const double* sums = at(x, y);
     const double px = x - rows_.x_begin + 0.5 - from_anchor_px_,
                  py = y - rows_.y_begin + 0.5 - from_anchor_px_;
-    for (std::size_t c = 0; c < 4; ++c) {
-        out[c] = {px * sums[4 + c] - sums[8 + c], py * sums[4 + c] - sums[16 + c]};
-    }
-    return out;
+    return {.rgb = {px * sums[6] - sums[8], py * sums[6] - sums[10]},
+            .alpha = {px * sums[7] - sums[9], py * sums[7] - sums[11]}};
 }
 
 }  // namespace postlens

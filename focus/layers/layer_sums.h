@@ -2,7 +2,6 @@
 // surface.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -21,8 +20,8 @@ namespace postlens {
 class LayerSums {
   public:
     /// Values per pixel without and with lens moments. Vectors of eight values fit into one register of
-    /// AVX-512, so two values are unused.
-    static constexpr std::size_t plain_values = 8, lens_values = 20;
+    /// AVX-512.
+    static constexpr std::size_t plain_values = 8, lens_values = 12;
 
     /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
     /// Samples lie `from_anchor_px` to the right of their anchors (integer raster positions) and as far below
@@ -37,11 +36,11 @@ class LayerSums {
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
     /// Returns the sums of red, green, blue and weight at a pixel.
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
-    [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[with_lens_ ? 12 : 4]; }
-    [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[with_lens_ ? 13 : 5]; }
-    /// Returns the lens moments of the four sums that `at` returns. In a lens moment, each term of the sum is
-    /// multiplied by the lens point through which its light passed, in lens radii.
-    [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
+    [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
+    [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
+    /// Returns the lens moments of the colours and weights that `at` returns. In a lens moment, each term of
+    /// the sum is multiplied by the lens point through which its light passed, in lens radii.
+    [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:
     [[nodiscard]] std::size_t index(int x, int y) const {
@@ -54,10 +53,9 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;  ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = plain_values;
-    /// Values of each pixel: red, green, blue, weight, depth, covered weight and two unused values. With lens
-    /// moments, L and L times x follow the weight, and L times y comes last. L is the first four values times
-    /// LayerSplat::lens_per_px, and (x, y) is the splat's position. Coordinates are relative to the upper
-    /// left corner of rows_.
+    /// Values of each pixel: red, green, blue, weight, depth, covered weight, sum of colours C and weight W
+    /// times LayerSplat::lens_per_px. With lens moments, C x, W x, C y and W y follow, where (x, y) is the
+    /// splat's position relative to the upper left corner of rows_.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

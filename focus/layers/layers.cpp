@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, in px. The sums of a pixel need up to 288 B, so those of a block fit into the L2 cache.
+/// Width of a block, in px. The sums of a pixel need up to 192 B, so those of a block fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
 /// Largest number of fragments (surfaces at a pixel) in memory at a time. Each fragment and its sums need
-/// about 270 B. A block with more fragments is processed in parts of a few rows.
+/// about 200 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 /// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. Stores all three channels, or
@@ -165,8 +165,11 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
         for (std::size_t k = part.begin; k < part.end; ++k) {
             const LayerCell& cell = splats_.cells()[cells[k]];
             if (!meet(cell.reach, rows_)) continue;
-            for (const LayerRun& run : splats_.runs(cell))
-                sums_[i].add(splats_.splats(run), splats_.kernels(), channel);
+            const std::span<const LayerRun> runs = splats_.runs(cell);
+            for (std::size_t r = 0; r < runs.size(); ++r) {
+                if (r + 1 < runs.size()) __builtin_prefetch(splats_.splats(runs[r + 1]).data());
+                sums_[i].add(splats_.splats(runs[r]), splats_.kernels(), channel);
+            }
         }
         sums_[i].finish();
     }
@@ -313,8 +316,9 @@ void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPa
                 const double light = share * static_cast<double>(value[c]);
                 (c < 3 ? sum.rgb[c] : sum.weight) += light;
                 if (!wants_lens(part)) continue;
-                sum.lens[c].x += light * lens.x;
-                sum.lens[c].y += light * lens.y;
+                LensMoment& moment = c < 3 ? sum.lens.rgb : sum.lens.alpha;
+                moment.x += light * lens.x;
+                moment.y += light * lens.y;
             }
             sum.depth += share * static_cast<double>(s.depth);
             sum.covered += share * static_cast<double>(s.covered);

@@ -28,8 +28,8 @@ struct OverLens {
     /// Returns the fraction of some light, from 0 to 1, that is transmitted. `sum` is the amount of light.
     /// `moment` is its lens moment, the sum of light times the lens point through which it passed.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        if (sum == 0) return 0;
-        return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
+        const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
+        return std::clamp(mean + varies, 0.0, 1.0);
     }
 };
 
@@ -77,8 +77,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 namespace {
 
 /// The part of a surface's light that surfaces in front do not hide. `add` multiplies `light` by `times` and
-/// by the transmittance `open`, and adds it. Each colour channel and alpha are attenuated separately, with
-/// their own lens moments.
+/// by the transmittance `open`, and adds it. Colour and alpha are attenuated separately, with their own lens
+/// moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -86,14 +86,14 @@ struct Arrived {
 
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
-        for (std::size_t c = 0; c < 3; ++c)
-            rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
+        const double shown = times * open.passing(light.rgb[0] + light.rgb[1] + light.rgb[2], light.lens.rgb);
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
-        alpha += whole * open.passing(light.alpha, light.lens[3]);
+        alpha += whole * open.passing(light.alpha, light.lens.alpha);
         // Lens moment of the product of light and transmittance. Each factor is a linear function of the lens
         // point, and the quadratic term of the product is omitted.
-        lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
-        lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
+        lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
+        lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 

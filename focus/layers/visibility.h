@@ -14,18 +14,24 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
+/// Lens moments of a surface's light. The colour channels share one moment: where one side of the lens sees
+/// another colour than the other side, the brightness differs far more than the hue.
+struct LensMoments {
+    LensMoment rgb;  ///< of red + green + blue
+    LensMoment alpha;
+};
+
 /// Light of a surface at a pixel, without occlusion. `alpha` is the share of the pixel that the surface
-/// covers, as a mean over the lens. `rgb` is the colour times alpha. `lens` contains the lens moments of red,
-/// green, blue and alpha.
+/// covers, as a mean over the lens. `rgb` is the colour times alpha.
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
     std::array<double, 3> rgb{};
-    std::array<LensMoment, 4> lens{};
+    LensMoments lens{};
 
     void divide(double by) {
         alpha /= by;
         for (double& channel : rgb) channel /= by;
-        for (LensMoment& moment : lens) moment = {moment.x / by, moment.y / by};
+        for (LensMoment* moment : {&lens.rgb, &lens.alpha}) *moment = {moment->x / by, moment->y / by};
     }
 };
 

@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
+#include <ranges>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/counted.h"
 #include "core/error.h"
@@ -46,12 +48,22 @@ std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const Foreign
         const auto stack = picture.stack(x, y);
         return stack.empty() ? nullptr : stack.data();
     };
-    for (std::size_t i = 0; i + 1 < picture.offsets.size(); ++i) {
+    const auto is_rim = [](const StackSample* s) {
+        return s != nullptr && s->inverse_z != 0 && s->alpha > transparent && s->alpha < opaque;
+    };
+    const auto height = static_cast<std::size_t>(picture.y_end - picture.y_begin);
+    std::vector<std::vector<std::size_t>> rims(height);  // pixels, row by row
+    parallel_for(height, [&](std::size_t row) {
+        for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+            if (is_rim(at(picture.x_begin + static_cast<int>(i % width),
+                          picture.y_begin + static_cast<int>(row))))
+                rims[row].push_back(i);
+        }
+    });
+    for (const std::size_t i : rims | std::views::join) {
         const int x = picture.x_begin + static_cast<int>(i % width),
                   y = picture.y_begin + static_cast<int>(i / width);
         const StackSample* rim = at(x, y);
-        if (rim == nullptr || rim->inverse_z == 0 || rim->alpha <= transparent || rim->alpha >= opaque)
-            continue;
         bool has_object = false;
         const StackSample* sky = nullptr;
         for (int v = y - reach; v <= y + reach; ++v) {
@@ -80,13 +92,15 @@ void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
         return std::pair(part.data.x_min + static_cast<int>(i % width),
                          part.data.y_min + static_cast<int>(i / width));
     };
-    std::size_t i = 0;
-    for (int y = part.data.y_min; y <= part.data.y_max; ++y) {
-        for (int x = part.data.x_min; x <= part.data.x_max; ++x, ++i) {
+    std::vector<Seen> seen(static_cast<std::size_t>(part.height()));
+    parallel_for(seen.size(), [&](std::size_t row) {
+        for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+            const auto [x, y] = place(i);
             for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k)
-                picture.samples[k].inverse_z = inverse(depths[i], x, y);
+                picture.samples[k].inverse_z = inverse(depths[i], x, y, seen[row]);
         }
-    }
+    });
+    for (const Seen& of_row : seen) seen_.add(of_row);
     const auto share = [&](std::size_t count) {
         return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels, 1));
     };
@@ -125,13 +139,14 @@ void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
 }
 
 void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const {
-    if (negative_ > 0 && positive_ > 0) {
+    if (seen_.negative > 0 && seen_.positive > 0) {
         fail(ExitCode::invalid_input,
              "{}: channel {} at pixel {},{} is unusable (got {}; expected a depth of 0 or more, or none "
              "such)",
-             file.name(), picture.channels.z, first_negative_.x, first_negative_.y, first_negative_.z);
+             file.name(), picture.channels.z, seen_.first_negative.x, seen_.first_negative.y,
+             seen_.first_negative.z);
     }
-    if (negative_ > 0) {
+    if (seen_.negative > 0) {
         picture.repairs.push_back(
             {"assumed", "all depths are negative: their size is taken as the distance", 1});
     }
@@ -141,7 +156,8 @@ void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, For
         const float out = inverse_z * scale;
         return std::isfinite(out) ? out : std::numeric_limits<float>::max();
     };
-    parallel_for(static_cast<std::size_t>(part.height()), [&](std::size_t row) {
+    std::vector<Seen> seen(static_cast<std::size_t>(part.height()));
+    parallel_for(seen.size(), [&](std::size_t row) {
         for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
             const float scale = depth_scale(picture, i);
             const auto stack = std::span(picture.samples)
@@ -163,21 +179,22 @@ void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, For
 
 void ForeignDepths::warn_of_encoding(ForeignPicture& picture) const {
     constexpr float rounding = 1e-3F;
-    if (encoding_ && encoding_->kind == DepthEncoding::Kind::normalized && greatest_value_ > 1 + rounding) {
+    if (encoding_ && encoding_->kind == DepthEncoding::Kind::normalized &&
+        seen_.greatest_value > 1 + rounding) {
         picture.repairs.push_back(
             {"assumed",
              fmt::format(
                  "normalized depths are up to {:.6g}, not 1: they are farther than the end of the range "
                  "that --depth-encoding states",
-                 greatest_value_),
+                 seen_.greatest_value),
              1});
     }
-    if (encoding_ || negative_ + positive_ == 0 || farthest_ > 1) return;
+    if (encoding_ || seen_.negative + seen_.positive == 0 || seen_.farthest > 1) return;
     picture.repairs.push_back(
         {"assumed",
          fmt::format("no depth is beyond {:.6g}: they may be inverse or normalized, and are taken as "
                      "distances (--depth-encoding)",
-                     farthest_),
+                     seen_.farthest),
          1});
 }
 

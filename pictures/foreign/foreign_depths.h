@@ -28,24 +28,10 @@ class ForeignDepths {
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
     /// Decodes the depth value of pixel (x, y) of the file, returns the inverse of its absolute distance, and
     /// calls `note`.
-    float inverse(float value, int x, int y) {
-        const float z = distance(value);
-        note(z, x, y, value);
-        return inverse_of(std::abs(z));
-    }
-    /// Records what `finish` needs for its checks: how many distances are negative, and the largest distance.
-    /// `z` is the distance decoded from `value`, the depth stored for pixel (x, y).
-    void note(float z, int x, int y, float value) {
-        if (!is_hit(z)) return;
-        farthest_ = std::max(farthest_, std::abs(z));
-        greatest_value_ = std::max(greatest_value_, value);
-        if (z < 0) {
-            if (negative_ == 0) first_negative_ = {x, y, value};
-            ++negative_;
-        } else {
-            ++positive_;
-        }
-    }
+    float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
+    /// Records what `finish` needs for its checks. `z` is the distance decoded from `value`, the depth stored
+    /// for pixel (x, y).
+    void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
     /// Repairs depths that were filtered like colours and are wrong at edges (mend_filtered_depths), then
     /// sets the depths of the samples of a flat image. Per pixel, `depths` has the stored depth, and
@@ -61,15 +47,44 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
+    /// Statistics of decoded distances.
+    struct Seen {
+        float farthest = 0;        ///< largest finite depth, in the file's unit
+        float greatest_value = 0;  ///< largest value of a depth in the file
+        std::size_t negative = 0, positive = 0;
+        Place first_negative;
+
+        void note(float z, int x, int y, float value) {
+            if (!is_hit(z)) return;
+            farthest = std::max(farthest, std::abs(z));
+            greatest_value = std::max(greatest_value, value);
+            if (z < 0) {
+                if (negative == 0) first_negative = {x, y, value};
+                ++negative;
+            } else {
+                ++positive;
+            }
+        }
+        /// Adds the statistics of pixels that follow.
+        void add(const Seen& next) {
+            farthest = std::max(farthest, next.farthest);
+            greatest_value = std::max(greatest_value, next.greatest_value);
+            if (negative == 0) first_negative = next.first_negative;
+            negative += next.negative;
+            positive += next.positive;
+        }
+    };
+    float inverse(float value, int x, int y, Seen& seen) const {
+        const float z = distance(value);
+        seen.note(z, x, y, value);
+        return inverse_of(std::abs(z));
+    }
     /// Warns if all distances are at most 1. Few scenes are that small, but inverse and normalised depths
     /// have this range. Also warns if normalised depths exceed 1.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;
-    float farthest_ = 0;        ///< largest finite depth, in the file's unit
-    float greatest_value_ = 0;  ///< largest value of a depth in the file
-    std::size_t negative_ = 0, positive_ = 0;
-    Place first_negative_;
+    Seen seen_;
 };
 
 }  // namespace postlens

@@ -205,12 +205,12 @@ TEST(Composite, IsNoBrighterThanItsSurfacesWhereHardlyAnyAlphaArrives) {
     // A black surface covers nine tenths of the lens, the right side first.
     Fragment front{.inverse_depth_per_m = 40, .seen = {}, .hidden = {}};
     front.seen.alpha = 0.9;
-    front.seen.lens[3] = {0.09, 0};
+    front.seen.lens.alpha = {0.09, 0};
     // The one behind it is white. Its alpha lies on the right, its light all over the lens.
     Fragment behind{.inverse_depth_per_m = 0, .seen = {}, .hidden = {}};
     behind.hidden.alpha = 1;
     behind.hidden.rgb.fill(1);
-    behind.hidden.lens[3] = {0.277, 0};
+    behind.hidden.lens.alpha = {0.277, 0};
     std::vector<Fragment> both{front, behind};
     // A tenth of the light arrives, and of the rest as much as the tenth of the lens that is open.
     EXPECT_NEAR(composite(both, geometry)[0], 0.1 + 0.9 * 0.1, 1e-3);
