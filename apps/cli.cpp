@@ -17,8 +17,7 @@
 namespace postlens {
 namespace {
 
-// Throws if a flag has a value, for example --breathing=false. CLI11 would ignore the value of a flag with a
-// callback, and set the flag.
+// Throws if a flag has a value, as in --breathing=false. CLI11 would ignore this value.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -32,8 +31,7 @@ void check_flags(const CLI::App& command, std::span<const std::string> words) {
     }
 }
 
-// Throws an error that names the unknown option or subcommand. CLI11 would only report that a subcommand is
-// required.
+// Throws an error that names the unknown option or subcommand. CLI11's error does not name it.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     const std::vector<const CLI::App*> subcommands =
         app.get_subcommands([](const CLI::App*) { return true; });
@@ -59,8 +57,7 @@ std::string full_name(const CLI::App& app) {
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();
 }
 
-// Throws an error that names the first unknown option and suggests the most similar existing one. CLI11 would
-// list all unused words, beginning with the last.
+// Throws an error that names the first unknown option, and suggests the most similar known option.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
         if (word.size() < 2 || word[0] != '-' || (word[1] != '-' && parse_number(word))) continue;
@@ -69,8 +66,7 @@ void check_options(CLI::App& command) {
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // Suggests an option that begins with the mistyped name. If there is none, suggests one that differs
-        // from it in at most half of its letters.
+        // Suggests an option that begins with the mistyped name, or else one with a similar name.
         const std::string asked = name.substr(word[1] == '-' ? 2 : 1);
         const auto longer = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
             return asked.size() > 1 && other.starts_with(asked);
@@ -82,8 +78,7 @@ void check_options(CLI::App& command) {
     }
 }
 
-// Reports an option or argument that has no value, or too many. CLI11's messages are hard to understand, for
-// example "--focus: 1 required M|inf missing" and "--focus: At Most 1 required but received 2".
+// Reports an option or argument that has no value, or too many. CLI11's messages are hard to understand.
 void check_values(const CLI::App& command, const CLI::ParseError& error) {
     const bool missing = error.get_name() == "RequiredError",
                mismatch = error.get_name() == "ArgumentMismatch";
@@ -175,7 +170,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     if (state->common.dry_run && app.get_subcommands().front()->get_name() != "sweep")
         state->common.run = [work = dry_run_of(app, *state)] { return dry_run(work); };
     ParsedCommand out = state->common;
-    // The lambda keeps `state` alive, because the command reads its options from `state` when it runs.
+    // `state` holds the options of the command, so the lambda keeps it alive.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -21,7 +21,7 @@ struct ParsedCommand {
     int requeue_code = 75;  ///< exit code if a signal of the batch system ends the command (core/signals.h)
 };
 
-/// Settings for a command that other code runs without a command line, for example the viewer.
+/// Settings for a command that other code, such as the viewer, runs without a command line.
 struct InProcess {
     bool pictures_stay = false;       ///< makes --output optional; without it the image is returned
     std::shared_ptr<KeptFrame> kept;  ///< the sample file of the command, if it is already open

@@ -24,8 +24,7 @@
 
 namespace postlens {
 
-/// A warning of a command. `share` is the fraction of the pixels that it affects, from 0 to 1, or 0 if the
-/// fraction is not known.
+/// A warning of a command. `share` is the fraction of the pixels affected (0 to 1), or 0 if it is not known.
 struct Warning {
     std::string code;
     std::string text;
@@ -43,30 +42,29 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image that the command has made, or only the part that --crop selects. Empty if the image was
-    /// written to a file. `render --halves` returns two more images, each from half of the samples.
+    /// The image that the command has made, or its crop (--crop). Empty if the image was written to a file.
+    /// `render --halves` returns two more images, each from half of the samples.
     std::vector<Image> pictures;
-    /// For each pixel, the fraction (0 to 1) of its colour that comes from traced rays. The rest comes from
-    /// the sample file. Set only by `focus` and `shoot` with a scene, and only if they return the image.
+    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Only `focus` and `shoot`
+    /// with a scene set it, when they return the image.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
-    /// Work that begins after the result is reported: `view` reports its address, and then serves the viewer
-    /// until it is cancelled. Empty for most commands.
+    /// Work that begins after the result is reported. `view` then serves the viewer until it is cancelled.
     std::function<void()> afterwards;
 };
 
 class KeptFrame;
 struct OpenFrame;
 
-/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, `stops` is empty and
-/// `automatic` is false. The command then chooses the exposure, for example that of the sample file.
+/// The option `--exposure`: a number of stops, or `auto`. Without the option, the command chooses the
+/// exposure.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
 };
 
-/// One share of the work on an image, for example some of its rows. Several machines can each compute one
-/// share and write it to a file. `merge` then joins the files (apps/share.h).
+/// One share of the work on an image, computed by one of several machines. `merge` joins the files of all
+/// shares.
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
@@ -94,16 +92,15 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// The scene into which a command traces rays. `explain` is the file name of an image that shows in colours
-/// which pixels were made from the records and which by rays.
+/// The scene into which a command traces rays. The image `explain` shows which pixels come from records and
+/// which from rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
     std::optional<double> lumens_per_watt;  ///< if absent, the sample file's value
 };
 
-/// Throws Error(wrong_arguments) if the options state a unit of the scene (metres_per_unit, lumens_per_watt)
-/// but no scene. The unit would have no effect.
+/// Throws Error(wrong_arguments) if a unit (metres_per_unit, lumens_per_watt) is given without a scene.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
@@ -115,10 +112,10 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Returns pointers to the file names that may differ from frame to frame: the background images
-    /// (`behind`), and the mask images that select objects.
+    /// Returns pointers to the file names that may differ from frame to frame: background images and object
+    /// masks.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Returns true if a pixel may have several samples at different depths. They must then be composited.
+    /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -138,8 +135,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR, in dB, that the method `auto` tries to reach. If absent, `auto` tries to reach 40 dB, or has no
-    /// target if takes_usual_method() is true.
+    /// PSNR, in dB, that the method `auto` tries to reach. By default 40 dB, or no target if
+    /// takes_usual_method().
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -149,8 +146,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if the method is `auto` but the user gives no target PSNR, no scene and no --explain.
-    /// `auto` then only selects `layers` or `scatter`, depending on the contents of the file (usual_method).
+    /// Returns true if the method is `auto` without a target PSNR, a scene or --explain. `auto` then only
+    /// selects `layers` or `scatter` (usual_method).
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -160,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. `merge` passes the command that several machines have divided, for
-    /// example a sweep. Because of `join`, that command only joins the results of the machines.
+    /// Runs the command line `words`. `merge` calls it with the command that was divided between machines,
+    /// which then only joins their results (`join`).
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -176,8 +173,8 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the instant of the
-    /// frame, and stays open for the exposure time that the sample file states.
+    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
+    /// for the exposure time of the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -186,8 +183,7 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    /// How the work is divided between machines. If true, each machine computes some of the samples of every
-    /// pixel. If false, each computes some of the rows.
+    /// If true, each machine computes some samples of every pixel. If false, each machine computes some rows.
     bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
@@ -202,13 +198,13 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the instant of the
-    /// frame, and stays open for the exposure time that the sample file states.
+    /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
+    /// for the exposure time of the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene from which the sample file was traced. If it is given, rays replace samples whose colour
-    /// cannot be found from the records, for example because a surface was not recorded.
+    /// The scene from which the sample file was traced. If it is given, rays replace samples whose colour the
+    /// records do not determine.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -241,11 +237,11 @@ struct CompareCommandOptions {
     std::optional<Crop> crop;                      ///< part of the images that is compared
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// `map_causes` is the file name of an output image that shows the cause of each pixel's error. `frame`
-    /// is the sample file from which the tested image was made. Both or neither must be given.
+    /// `map_causes` is an output image that shows the cause of each pixel's error. It needs `frame`, the
+    /// sample file from which the tested image was made.
     std::optional<std::string> map_causes, frame;
-    /// The scene from which the sample file was traced. If it is given, rays help to find the causes of
-    /// errors. The member `explain` is not used.
+    /// The scene from which the sample file was traced. Its rays help to find the causes of errors. `explain`
+    /// is not used.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -265,7 +261,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
-/// Returns true for an OpenEXR file that another program has written, that is, one that is not a sample file.
+/// Returns true for an OpenEXR file of another program, that is, one that is not a sample file.
 [[nodiscard]] bool is_foreign(const std::string& input);
 /// These functions run `focus`, `image` and `info` for an image of another program.
 [[nodiscard]] CommandResult focus_foreign(const FocusOptions& options);
@@ -274,32 +270,30 @@ struct CompareCommandOptions {
 /// Throws Error(wrong_arguments) if `options` has options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input);
 
-/// Returns how to read a damaged sample file. With --salvage, only its undamaged rows are read. Otherwise,
-/// damage is an error.
+/// Returns how to read a damaged sample file. With --salvage, its undamaged rows are read. Otherwise, damage
+/// is an error.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the command's open sample file: `kept` if it is not null, otherwise the newly opened file `input`.
+/// Returns the command's open sample file: `kept` if it is not null, or else the newly opened file `input`.
 /// Colours are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// If rows of the sample file are damaged, adds the warning `salvaged`, which lists them. If the file
-/// contains only some of the rows, traced by one of several machines, adds the warning `part`.
+/// Adds the warning `salvaged` if rows of the sample file are damaged.
+/// Adds the warning `part` if the file contains only one machine's share of the rows.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
-/// Adds the warning `part` if an image file contains only the share of the image that one of several machines
-/// computed.
+/// Adds the warning `part` if an image file contains only one machine's share of the image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
-/// Returns `asked`, the value of the option, or else `named`, the value in the file. Throws
-/// Error(wrong_arguments) if both are absent. `file` is the kind of file for the error message, for example
-/// "sample file".
+/// Returns the option's value `asked`, or else the file's value `named`. Throws Error(wrong_arguments) if
+/// both are absent. `file` is the kind of file for the error message, for example "sample file".
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// The lens of an image and its focus distance. resolve_lens takes each value from the options, or else from
-/// the sample file. It throws Error(wrong_arguments) if neither states the value.
+/// A lens and its focus distance. resolve_lens takes each value from the options, or else from the sample
+/// file. It throws Error(wrong_arguments) if both lack it.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
@@ -308,40 +302,36 @@ struct ResolvedLens {
 
 /// Reads a lens prescription. Each note of the reader becomes a warning with the code `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// Copies the focal length of the lens prescription in `impulse` to `lens`, and also its f-number if `lens`
-/// has none. Throws Error(wrong_arguments) if the user has given a focal length, because it would contradict
-/// the prescription.
+/// Copies the focal length of the lens prescription to `lens`, and the f-number if `lens` has none. Throws
+/// Error(wrong_arguments) if the user has also given a focal length.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the interval in which the shutter is open: the option's value `asked`, or else the interval in the
-/// file. If `from_frame` is set, the times in `asked` are relative to the instant of the frame. Throws
-/// Error(wrong_arguments) if neither the option nor the file states an interval.
+/// Returns the interval in which the shutter is open: `asked`, or else that of the file. With `from_frame`,
+/// `asked` is relative to the frame's instant. Throws Error(wrong_arguments) if there is no interval.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the lens has a larger aperture than the sample file was traced for, or if the exposure
-/// extends beyond the time interval that it was traced for.
+/// Adds a warning if the aperture or the exposure exceeds what the sample file was traced for.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays are traced
-/// where the records do not suffice, for example at surfaces that were not recorded. If `retrace.explain`
-/// names a file, an image is written to it that shows how each pixel was made. Adds the warnings of the scene
-/// to `out`. Throws if the scene refers to the output file `picture`, which would be overwritten.
+/// Makes an image by reprojecting the records (method hybrid). Rays into the scene of `retrace` fill in what
+/// was not recorded. Warnings of the scene go to `out`. Throws if the scene refers to the output file
+/// `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns the numbers that `focus` and `shoot` report for the method hybrid, for example how much of the
-/// image was traced by rays, the number of rays, and the measured error.
+/// Returns what `focus` and `shoot` report for the method hybrid, such as the number of rays and the measured
+/// error.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
-/// Returns the shutter curve "box" or "triangle". Any other word is the name of a file with a shutter curve.
-/// Throws Error(invalid_input) if the file cannot be read.
+/// Returns the shutter curve "box" or "triangle", or else reads the file of this name. Throws
+/// Error(invalid_input) if the file cannot be read.
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
 /// Returns the numbers of traced rays, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
 
-/// Returns a number for JSON. The result is null if the number is not finite, because JSON has no infinity.
+/// Returns a number for JSON, or null if it is not finite, because JSON has no infinity.
 [[nodiscard]] nlohmann::ordered_json json_number(double value);
 
 }  // namespace postlens

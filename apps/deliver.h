@@ -20,12 +20,11 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image to its file, or adds it to the result if no file is named. Also reports the crop and the
-/// exposure of the image (report_picture).
+/// Writes the image to its file, or adds it to the result if no file is named. Also calls report_picture.
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
-/// Adds the crop and the exposure of an image to the result. Adds a warning if the image is too bright or too
-/// dark for a PNG, TIFF or JPEG file.
+/// Adds the crop and the exposure of an image to the result. Warns if the image is too bright or too dark for
+/// a PNG, TIFF or JPEG file.
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,
                     CommandResult& out);
 

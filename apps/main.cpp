@@ -19,23 +19,21 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and ends the line. Errors are ignored here. `check_output` later reports those of standard
-/// output, but those of standard error cannot be reported.
+/// Writes a text and ends the line. `check_output` later reports errors of standard output.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);
     if (text.back() != '\n') std::fputc('\n', where);
 }
 
-/// Reports an error if standard output could not be written, for example because the disk is full or the pipe
-/// is closed.
+/// Reports an error if standard output could not be written, for example because the disk is full.
 void check_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
         postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
 }
 
-/// Opens a read-only descriptor in place of each closed standard stream. Otherwise, the next file that is
-/// opened would get the descriptor of that stream, and messages would be written to the file.
+/// Opens /dev/null in place of each closed standard stream. Otherwise, the next opened file would get its
+/// descriptor, and messages would go into that file.
 void take_closed_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", O_RDONLY);
@@ -82,13 +80,12 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Signals cancel the job `process`, and with it the command. It is static, so that it still exists if a
-    // signal arrives after main() has returned. It has only one thread, because run() makes a job of its own
-    // for the command.
+    // Signals cancel the job `process`, and with it the command. It is static, because a signal may arrive
+    // after main() has returned. It needs only one thread, because run() makes another job for the command.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // By default, these signals would end the program silently. If they are ignored, a write beyond a size
-    // limit or into a closed pipe fails with an error message.
+    // By default, these signals would end the program silently. When they are ignored, the failed write
+    // causes an error message.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

@@ -1,4 +1,4 @@
-// Parses numbers from the command line. All options follow the same rules, which do not depend on the locale.
+// Parses numbers from the command line. All options follow the same rules, whatever the locale.
 #pragma once
 
 #include <cstdint>
@@ -29,14 +29,14 @@ inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .hi
                              units_m{.low = 1e-9, .high = 1e9};
 
 /// Throws Error(wrong_arguments) if `value` is out of range. The message names the option and quotes `text`,
-/// the value as typed by the user.
+/// as typed by the user.
 void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds);
 
-/// Parses a finite number. With `infinite`, "inf" is accepted too. This function and those below throw
+/// Parses a finite number, or "inf" if `infinite` is set. This function and those below throw
 /// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. Throws if it does not fit into an int, with `bounds` as the expected range in the
-/// message. A smaller integer is returned even if it is out of bounds, so the caller must call check_bounds.
+/// Parses an integer, and throws if it does not fit into an int. `bounds` only serve the message: the caller
+/// must call check_bounds.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size in px, such as "960x540".
@@ -50,8 +50,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 
 /// Parses two finite numbers such as "2.5,-2.5". A single number such as "2.5" is used for both.
 [[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
-/// Parses a depth encoding: "distance", "inverse" or "normalized:NEAR,FAR". NEAR and FAR are distances of 0
-/// or more, and must differ.
+/// Parses a depth encoding: "distance", "inverse" or "normalized:NEAR,FAR". NEAR and FAR must be different
+/// distances of 0 or more.
 [[nodiscard]] DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text);
 /// Parses two nonempty names such as "forward.u,forward.v".
 [[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
@@ -59,14 +59,13 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses 1 to 1000 integers such as "1,4,16".
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
-/// Formats a length in px, rounded to a tenth of a px, or to three significant digits if it is 1e7 px or
-/// more.
+/// Formats a length in px: rounded to 0.1 px, or to three significant digits from 1e7 px on.
 [[nodiscard]] std::string px_text(double px);
 
 /// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, and W and H at least 1.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
-/// Returns `value` if it is above `low`, or if it equals `low` and `including_low` is set. Otherwise, throws
+/// Returns `value` if it exceeds `low`, or equals it and `including_low` is set. Otherwise, throws
 /// Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 

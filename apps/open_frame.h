@@ -12,25 +12,23 @@
 namespace postlens {
 
 struct OpenFrame {
-    /// Opens the file. If `many` is set, the records stay in memory, so that further images need not read
-    /// them again.
+    /// Opens the file. If `many` images will be made, the records stay in memory.
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;
     FocusFrame frame;
 };
 
-/// Keeps a sample file open and its records in memory, so that further images are made faster. It makes only
-/// one image at a time.
+/// Keeps a sample file open and its records in memory, so that further images are made faster. Makes only one
+/// image at a time.
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Returns a lock that the caller must hold while it uses the open file. Waits while another thread holds
-    /// the lock. Throws Error(interrupted) if the current job is cancelled during the wait. If `kept` is
-    /// null, returns an empty lock.
+    /// Returns a lock that the caller must hold while it uses the open file. Returns an empty lock if `kept`
+    /// is null. Waits for other threads, and throws Error(interrupted) if the current job is cancelled
+    /// meanwhile.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
-    /// Returns the file, read at the given exposure. If the last call had another exposure, the file is
-    /// opened again.
+    /// Returns the file, read at the given exposure. Opens it again if the exposure has changed.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

@@ -14,12 +14,12 @@ namespace postlens {
 /// JSON.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses the arguments after the name of the program, and runs the command (run_timed). If another call uses
-/// the open file `in_process.kept`, waits until that call ends.
+/// Parses the arguments after the name of the program, and runs the command (run_timed). Waits while another
+/// call uses the open file `in_process.kept`.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
-/// Returns the JSON text that `--json` prints: the JSON of the result, the peak memory of the process, and
-/// the warnings. Bytes of names that are not valid UTF-8 become U+FFFD, because JSON must be UTF-8.
+/// Returns the JSON text that `--json` prints: the result, the peak memory of the process, and the warnings.
+/// Invalid UTF-8 in names becomes U+FFFD, because JSON must be UTF-8.
 [[nodiscard]] std::string report_json(const CommandResult& result);
 
 }  // namespace postlens

@@ -7,9 +7,8 @@
 namespace postlens {
 namespace {
 
-// Returns the metres per unit or the lumens per watt with which to read a scene: the user's value `asked`,
-// else the value `of_trace` in the sample file, else 1. Throws if the two values differ, because traced rays
-// would not agree with the records.
+// Returns the metres per unit or the lumens per watt of a scene: the user's value `asked`, else the file's
+// value `of_trace`, else 1. Throws if they differ, because traced rays would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -33,8 +32,7 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Sample files from old versions of postlens state neither metres per unit nor lumens per watt. Both
-    // default to 1, as these versions assumed.
+    // Old sample files state neither metres per unit nor lumens per watt. Both were 1.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

@@ -10,16 +10,14 @@
 namespace postlens {
 
 /// Reads a scene. Adds a warning for everything that the reader assumes or leaves out. Throws the errors of
-/// read_scene, and Error(wrong_arguments) if the scene refers to a file in `written`, the list of files that
-/// the command will write.
+/// read_scene, and Error(wrong_arguments) if the scene refers to an output file, listed in `written`.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which the sample file `file` was traced, at the exposure of this file.
-/// `metres_per_unit` and `lumens_per_watt` default to the values in the file. Throws Error(wrong_arguments)
-/// if a given value differs from that in the file. Adds the warnings and throws the errors of
-/// read_scene_of_command.
+/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. The units
+/// default to those of the file. Throws Error(wrong_arguments) if they differ from those of the file, and the
+/// errors of read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

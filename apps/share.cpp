@@ -42,8 +42,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Caches the SHA-256 and modification time of files. The frames of a film often share a scene, which is then
-/// read only once.
+/// Caches the SHA-256 and modification time of files, because the frames of a film often share a scene.
 class Digests {
   public:
     [[nodiscard]] std::optional<std::string> of(const std::string& path) {
@@ -63,8 +62,8 @@ class Digests {
         for (const fs::path& file : files) {
             std::error_code none;
             now.files.emplace_back(file, fs::last_write_time(file, none));
-            // A file that was written less than two seconds ago is not cached. If it changes again within
-            // this time, its time stamp may stay the same, and the change would not be noticed.
+            // A file that was written less than two seconds ago is not cached. If it changed again within
+            // this time, its time stamp might stay the same.
             constexpr std::chrono::seconds long_enough(2);
             if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
         }

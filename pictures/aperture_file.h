@@ -5,10 +5,10 @@
 
 namespace postlens {
 
-/// Makes an aperture: a disc, a polygon or an image. An image wider or higher than 512 px is downscaled, and
-/// its Rec.709 luminance becomes the transmittance of the aperture. Throws Error(invalid_input) if the image
-/// cannot be read or transmits no light. Throws Error(wrong_arguments) if a setting is out of range, or if
-/// `impulse` describes diffraction or a real lens instead of an aperture.
+/// Makes an aperture: a disc, a polygon or an image. The Rec.709 luminance of the image becomes the
+/// transmittance. An image above 512 px is downscaled.
+/// Throws Error(invalid_input) if the image cannot be read or transmits no light. Throws
+/// Error(wrong_arguments) if a setting is out of range, or describes diffraction or a real lens.
 [[nodiscard]] Aperture read_aperture(const Impulse& impulse);
 
 }  // namespace postlens

@@ -14,7 +14,7 @@ namespace postlens {
 /// Throws Error(wrong_arguments) if the crop is empty or extends beyond an image of width x height.
 void check_crop(const std::optional<Crop>& crop, int width, int height);
 
-/// Returns the number of pixels in the crop. Without a crop, returns the number of pixels in the image.
+/// Returns the number of pixels in the crop, or in the whole image if there is no crop.
 [[nodiscard]] std::size_t wanted_pixels(const std::optional<Crop>& crop, int width, int height);
 
 /// Returns the cropped image, or the whole image if there is no crop. Throws the errors of check_crop.

@@ -20,14 +20,14 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table that converts linear values to sRGB bytes. It divides the values from `least` to 1 into cells so
-/// narrow that the byte changes at most once within a cell.
+/// Table that converts linear values to sRGB bytes. Its cells are so narrow that the byte changes at most
+/// once within a cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// For each cell, `byte` is the sRGB byte of its smallest value. `next` holds the bits of the smallest
-    /// float whose byte is larger by 1.
+    /// `byte` is the sRGB byte at the beginning of a cell. `next` holds the bits of the smallest float whose
+    /// byte is larger by 1.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -66,8 +66,8 @@ struct PngOutput {
     std::string bytes, problem;  ///< both have reserved memory, which they never exceed
 };
 
-/// Returns an upper bound of the size of the PNG file, in bytes: the size of the pixels, plus a margin for
-/// incompressible data, which deflate enlarges slightly.
+/// Returns an upper bound of the size of the PNG file, in bytes. Deflate slightly enlarges incompressible
+/// data.
 std::size_t most_bytes(const EncodedPicture& picture) {
     const std::size_t raw = picture.rgb.size() + static_cast<std::size_t>(picture.height);
     return raw + raw / 64 + 4096;
@@ -75,8 +75,7 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // An exception must not propagate through libpng, which is C code. The error is therefore reported by
-    // png_error.
+    // An exception must not propagate through libpng, which is C code. So png_error reports the error.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -89,8 +88,8 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
-/// libpng reports errors by longjmp, which runs no destructors. This function must therefore not contain
-/// objects that need a destructor.
+/// libpng reports errors by longjmp, which runs no destructors. So this function must not contain objects
+/// with destructors.
 bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                 std::vector<png_text>& texts) {
     // NOLINTNEXTLINE(cert-err52-cpp): how libpng reports errors
@@ -99,8 +98,8 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                  8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // On rendered images, the Sub filter alone compresses as well as the best filter for each row. Level 3
-    // makes files 10 % larger than the default level, but takes a third of the time.
+    // For rendered images, the filter Sub compresses as well as the best filter for each row. Level 3 makes
+    // 10 % larger files than the default, in a third of the time.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);

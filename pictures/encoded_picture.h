@@ -32,8 +32,8 @@ struct EncodedPicture {
 /// Clamps scene-linear values to 0..1 and encodes them as sRGB bytes.
 [[nodiscard]] EncodedPicture encoded_8bit(const Image& image);
 
-/// Returns the bytes of the PNG file that `write_image` writes for this image. Throws Error(cannot_write) if
-/// libpng fails. `shown_name` is the file name in the error message.
+/// Returns the bytes of the PNG file that `write_image` would write. Throws Error(cannot_write), with the
+/// file name `shown_name`, if libpng fails.
 [[nodiscard]] std::string png_file(const EncodedPicture& picture, const std::string& shown_name);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Exposure of images. Images in memory are scaled so that 1 is white. Files in the format .exr store
-// scene-linear radiance (docs/exposure.md).
+// Exposure of images. In memory, 1 is white. Files in the format .exr store scene-linear radiance
+// (docs/exposure.md).
 #pragma once
 
 #include <optional>
@@ -10,22 +10,20 @@
 
 namespace postlens {
 
-/// Largest absolute value, in stops, of an exposure that is given by the user or stored in a file. It lies
-/// within the range of floats, about 126 stops above and below 1.
+/// Largest absolute value of an exposure, in stops. It lies within the range of floats, about 126 stops above
+/// and below 1.
 inline constexpr double most_exposure_stops = 100;
 
-/// Returns 2^stops, the factor that converts radiance to image values, in which 1 is white. The factor for 0
-/// stops is exactly 1.
+/// Returns 2^stops, the factor from radiance to image values, in which 1 is white. It is exactly 1 for 0
+/// stops.
 [[nodiscard]] double exposure_gain(double stops);
 
-/// Returns the exposure, in stops, at which the 95th percentile of the values becomes white. Only finite
-/// values above 0 count; without such values, returns 0. The result is clamped to +-most_exposure_stops.
-/// Reorders `values`.
+/// Returns the exposure, in stops, at which the 95th percentile of the finite positive values becomes white.
+/// Returns 0 if there are none. The result is clamped to +-most_exposure_stops. Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The result
-/// does not depend on the image's current exposure (Image::exposure_stops). If that exposure is unknown, the
-/// image's values are treated as radiance.
+/// Returns the automatic exposure of an image, in stops, from the largest channel of each pixel. The current
+/// exposure (Image::exposure_stops) has no effect. If it is unknown, the values are treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
 /// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.
@@ -35,15 +33,15 @@ struct ExposureWarning {
     double share = 0;  ///< fraction of the pixels above white; 1 for an image that is too dark
     std::string text;
 };
-/// Returns a warning if an 8-bit or 16-bit version of the image would be too bright or too dark. An image is
-/// too bright if more than a fifth of its pixels have a channel above white. It is too dark if all its pixels
-/// are below 1/255 of white, unless it is entirely black. The warning suggests the exposure of
-/// auto_exposure_of.
+/// Returns a warning if an 8-bit or 16-bit version of the image would be too bright or too dark. The warning
+/// suggests the exposure of auto_exposure_of.
+/// - too bright: more than a fifth of the pixels have a channel above white
+/// - too dark: all pixels are below 1/255 of white, but not all are black
 [[nodiscard]] std::optional<ExposureWarning> exposure_warning(const Image& image,
                                                               const std::optional<Crop>& crop);
 
-/// Parses an exposure in stops, as stored in the header of `file`. Throws Error(invalid_input), with the name
-/// of the file, if the text is not a valid exposure.
+/// Parses an exposure in stops from the header of `file`. Throws Error(invalid_input), with the name of the
+/// file, if the text is invalid.
 [[nodiscard]] double stops_of_text(const std::string& text, const std::string& file);
 
 }  // namespace postlens

@@ -160,9 +160,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` is the error against the first reference minus that against the second (--noise), divided
-    // by the standard error of this difference. Noise alone makes it exceed 4 or -4 only once in 16000
-    // images.
+    // `preference` is the error against o.reference minus that against *o.noise, in standard errors. Noise
+    // alone makes it exceed 4 or -4 only once in 16000 images.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -204,9 +203,8 @@ Image read_part(const std::string& path, const std::optional<Crop>& crop) {
     return image;
 }
 
-// Brings all images to the exposure of the option --exposure. The value `auto` means the automatic exposure
-// of the reference. Without the option, it is the exposure of the reference, or that of the tested image if
-// the reference states none.
+// Brings all images to the exposure of --exposure. The default is that of the reference, or else that of the
+// tested image.
 class Exposer {
   public:
     Exposer(const CompareCommandOptions& o, const Image& reference, const Image& image)
@@ -294,7 +292,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The comparison has freed both images, because it needs much memory. They are therefore read again.
+        // The comparison has freed both images to save memory, so they are read again.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

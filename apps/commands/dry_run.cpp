@@ -35,8 +35,7 @@ struct Line {
     [[nodiscard]] Cost at(double amount) const { return {fixed_s + each_s * amount, memory_bytes}; }
 };
 
-/// Selects at most `most` of `count` items. Returns their indices, which are evenly spaced and include the
-/// first and the last item.
+/// Returns the indices of at most `most` of `count` items, evenly spaced, including the first and the last.
 std::vector<int> spread(int count, int most) {
     std::vector<int> out;
     const int n = std::min(count, most);
@@ -46,8 +45,8 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the cost of item i, for example a frame. The time is interpolated linearly between the two nearest
-/// measured items. The memory is that of the item that needs more.
+/// Returns the cost of item i. Its time is interpolated linearly between the two nearest measured items. Its
+/// memory is that of the item that needs more.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -64,8 +63,7 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Checks for errors that can be found without running anything, for example a missing output folder, and
-    /// throws them. All other errors appear when the command is run to be measured.
+    /// Throws the errors that can be found without running anything, for example a missing output folder.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -116,9 +114,10 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command and measures its time and memory. `more` contains additional options. `amount`
-    /// replaces the number of samples or views, if the command has one. `ending` is the extension of the
-    /// output file.
+    /// Runs the command and measures its time and memory.
+    /// `more`: additional options
+    /// `amount`: replaces the number of samples or views, if the command has one
+    /// `ending`: extension of the output file
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -156,13 +155,12 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the time as a linear function of the number of samples or views. The command is run with a
-    /// few of them, and again with twice as many. Both numbers are doubled until the two times clearly
-    /// differ, or until the full number is reached.
+    /// Predicts the time as a linear function of the number of samples or views, from two runs. Their numbers
+    /// are doubled until the two times clearly differ, or the full number is reached.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // The number of samples must be even, because --halves divides them into two equal halves.
+        // The number is even, because --halves divides the samples into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -195,8 +193,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. With all of them, its time is assumed
-            // to grow by the same factor as that of the middle frame.
+            // This frame was measured only with few samples or views. Its time is scaled like that of the
+            // middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -210,9 +208,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. A run that makes a
-    /// single image gives the fixed time. One or two runs that make several images give the time for each
-    /// image.
+    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. The fixed time is
+    /// measured with one image, the other with several.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -247,8 +244,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A task that computes some of the samples of every pixel stores several sums of radiance per pixel.
-        // An undivided run needs less memory, because it stores only one sum per pixel.
+        // A task that computes some samples of every pixel stores several sums of radiance per pixel. An
+        // undivided run stores only one.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -262,8 +259,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes only 1/shares of the rows. With `shares` times as many samples or views, it takes
-        // about as long as the measurement of the whole image (`whole`) did.
+        // A task makes 1/shares of the rows, so `shares` times as many samples take about as long as `whole`
+        // took.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

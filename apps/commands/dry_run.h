@@ -1,5 +1,4 @@
-// Predicts the outputs, memory and time of a command. If the command is divided into several tasks (shares),
-// there is one prediction per task.
+// Predicts the outputs, memory and time of a command, for each task (share) into which it is divided.
 #pragma once
 
 #include <functional>
@@ -21,15 +20,15 @@ struct DryRun {
     std::optional<std::vector<int>> frames;           ///< shares are frames
     std::function<std::string(int frame)> output_of;  ///< with `frames`: returns the output file of a frame
     int pictures = 0;  ///< for a sweep, the number of its images, which are divided into shares; otherwise 0
-    /// Name of the option for the number of samples or views, such as --spp. The time of the command is
-    /// assumed to grow linearly with this number. Empty if the command has no such option.
+    /// Name of the option for the number of samples or views, such as --spp. The time of the command grows
+    /// linearly with this number. Empty if there is no such option.
     std::string amount_option;
     int amount = 0;
 };
 
-/// Predicts the time and memory of each task, and returns them as JSON. To measure them, it runs small
-/// versions of the command, for example with few samples or a single frame. These run in separate processes,
-/// which write only to a temporary folder. If such a run fails, throws its error.
+/// Predicts the time and memory of each task, and returns them as JSON. It measures small versions of the
+/// command in separate processes, which write only to a temporary folder. Throws the error of a run that
+/// fails.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

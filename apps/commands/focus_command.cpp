@@ -51,9 +51,8 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // In the sample file, the f-number is the film distance divided by the aperture diameter. In `lens`, it
-    // is the focal length divided by this diameter, so it is converted here. The focus distance is not
-    // compared, because it does not change which hidden surfaces a lens sees.
+    // The f-number of the file relates to the film distance, that of `lens` to the focal length. The focus
+    // distance is not compared, because it does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -76,8 +75,7 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // With --salvage, the header may be too damaged to show what kind of file this is. The input is then
-    // assumed to be a sample file.
+    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
     // Units are checked only for sample files. For other files, the reader below throws a clearer error.
@@ -90,8 +88,7 @@ CommandResult run_focus(const FocusOptions& options) {
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
-        // A pinhole has an infinite f-number, and its focus distance has no effect. So neither --f-number nor
-        // --focus is required.
+        // A pinhole needs neither option: its f-number is infinite, and its focus distance has no effect.
         lens_options.f_number = std::numeric_limits<double>::infinity();
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
@@ -131,8 +128,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, `auto` and `hybrid` trace rays even for a pinhole (f/inf), because the rays find surfaces
-    // that lie between the recorded points.
+    // With a scene, even a pinhole image (f/inf) uses rays, because they find surfaces between the recorded
+    // points.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -151,9 +148,8 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of reflections and refractions that are reprojected to wrong positions, because the records
-    // describe their motion over the lens only by a linear approximation. With a scene, there is no warning,
-    // because rays replace the wrong samples.
+    // Warns of reflections and refractions that move nonlinearly over the lens, because the records assume
+    // linear motion. With a scene, rays replace the wrong samples.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to `picture`, each behind those before it. Pixels of the added images that mix
-/// several surfaces are first split into one sample per surface, each with its own depth.
+/// Adds the images of --behind to `picture`, each behind those before it. Pixels that mix several surfaces
+/// are first split into one sample per surface.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -77,8 +77,7 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
-/// Blends the pinhole image and the blurred image by the matte. Where the matte is 0, the result is the
-/// pinhole image.
+/// Blends the pinhole image (matte 0) and the blurred image (matte 1).
 void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
     for (std::size_t i = 0; i < matte.size(); ++i) {
         const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };
@@ -220,8 +219,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // `choice` describes the camera that rendered the image. A lens prescription states the focal length of
-    // the simulated lens, which may differ from that of this camera.
+    // `choice` describes the camera that rendered the image. A lens prescription describes another lens,
+    // which is simulated.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -232,8 +231,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Most extra output channels (--passes) are computed from several views (images from single lens points).
-    // With such a channel, --views is allowed for every method.
+    // Most extra output channels (--passes) are computed from views (images from single lens points). They
+    // allow --views for every method.
     check_depth_options(options.spacing, options.depth_model, method);
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);

@@ -8,8 +8,7 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // With --salvage, the header may be too damaged to show what kind of file this is. The input is then
-    // assumed to be a sample file.
+    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

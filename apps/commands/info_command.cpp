@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-// Returns the number of layers: one for the visible surfaces, plus one for each layer of hidden surfaces
-// behind them. It is found by reading all records, because the file does not state it.
+// Returns the number of layers: the visible surfaces, and each layer of hidden surfaces. The file does not
+// state it, so all records are read.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

@@ -96,9 +96,8 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the files of an image that was divided by samples. First reads only the description of each file, to
-/// check that the files fit together. Then adds their sums of radiance, one file at a time, in the order of
-/// the shares.
+/// Joins the files of an image that was divided by samples. First checks the descriptions of all files. Then
+/// adds their sums of radiance in the order of the shares, one file at a time.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;
@@ -137,8 +136,8 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the results of a `render --halves` that was divided by rows. Returns two images, each made from half
-/// of the samples. Each part of the render stores its rows of these two images in separate files.
+/// Joins the results of a `render --halves` that was divided by rows. Each part has two files, one for each
+/// half of the samples. So the result is two images.
 std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {

@@ -25,8 +25,8 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// Returns the arguments of the command that made the part, without --output. `merge` joins the parts of a
-/// `sweep` or `chart` by running the command again. Throws for parts of any other command.
+/// Returns the arguments of the `sweep` or `chart` that made the part, without --output. `merge` runs them
+/// again to join the parts. Throws for any other command.
 std::vector<std::string> words_in(const PartFacts& part) {
     const std::vector<std::string> words = words_of_mark(part.mark);
     const auto foreign = [](const std::string& word) {

@@ -1,5 +1,5 @@
-// The result files (parts) that `merge` joins, each made by one machine. These functions find out which share
-// of the work a part contains, and check that all parts come from the same command.
+// Finds out which share of the work each result file (part) contains. Checks that all parts come from the
+// same command.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns which share of the work a file contains, for example the first of 8. `mark` is the JSON that
-/// describes the file (mark_of in share.h). Throws Error(invalid_input) if `mark` is not such JSON.
+/// Returns the share of the work that a file contains, for example the first of 8. Throws
+/// Error(invalid_input) if `mark` is not the JSON of mark_of (share.h).
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -30,8 +30,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the indices of the shares, out of `count`, whose result files are missing. If `partial` is not
-    /// set, a missing file is an error, which is thrown.
+    /// Returns the indices of the shares, out of `count`, whose files are missing. Throws if any is missing,
+    /// unless `partial` is set.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:
@@ -45,9 +45,8 @@ class FoundParts {
 /// would write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the results of a sweep or a chart whose shares were made by several machines in the same folder.
-/// `options.parts` are the tables *.I-of-N.json, one for each share, in this folder. The joined results are
-/// written there as well.
+/// Joins the results of a sweep or a chart whose shares were made in the same folder. `options.parts` are the
+/// tables *.I-of-N.json of the shares. The result is written to their folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

@@ -27,8 +27,7 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// Returns the name of the method that blurred an object, or "none" if the object was not blurred
-// (`automatic`).
+// Returns the name of the method that blurred an object, or "none" if the object was not blurred.
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -70,8 +69,7 @@ void refuse_for_pictures(bool given, const char* option, const char* expected = 
          expected);
 }
 
-/// Fills in the results that sample files and images of other programs have in common: the warnings, the exit
-/// code, and the JSON keys that are always present.
+/// Fills in the results that all kinds of input have: the warnings, the exit code and the common JSON keys.
 CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
                      std::vector<Warning> warnings = {}) {
     CommandResult out;
@@ -90,8 +88,8 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// Returns the first line of the text for the user. If `more` is "shutter 0 to 0.02 s", an example is "a.exr:
-/// 960x540 px, convolve, shutter 0 to 0.02 s, 12.5 % of the pixels touched".
+/// Returns the first line of the output, for example "a.exr: 960x540 px, convolve, shutter 0 to 0.02 s, 12.5
+/// % of the pixels touched".
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
@@ -152,8 +150,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur by running `shoot` with a pinhole. `shoot` can trace rays, which replace samples whose
-/// colour cannot be found from the records.
+/// Makes motion blur by running `shoot` with a pinhole. `shoot` can trace rays where the records do not
+/// determine the colour.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -218,8 +216,7 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // With --salvage, the header may be too damaged to show what kind of file this is. The input is then
-    // assumed to be a sample file.
+    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
     // Refuses options that do not apply to sample files. For other files, the reader below throws a clearer

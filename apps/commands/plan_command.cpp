@@ -10,9 +10,8 @@
 namespace postlens {
 namespace {
 
-// Writes an image whose colours show how each pixel was made: blue from blurred records, grey from the mean
-// of several views (images from single lens points), red mostly from rays. With the method auto, brighter
-// grey means more views.
+// Writes an image whose colours show how each pixel was made: blue from blurred records, grey from views
+// (images from single lens points), red mostly from rays. Brighter grey means more views.
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -33,7 +32,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
 }
 
 // Reads the scene into which rays are traced, if there is one. First checks the names of the output files, so
-// that errors in them are reported before the long work begins.
+// that errors are reported before the long work.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

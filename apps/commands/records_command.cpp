@@ -6,10 +6,10 @@
 namespace postlens {
 namespace {
 
-// The longest and the shortest diameter, in px, of an elliptical circle of confusion. When the lens point
-// moves by q metres, the image of the surface moves by g (I / s - W) q px. Here g is film distance / pixel
-// pitch, s the focus distance in m, I the identity, and W the record's 2x2 matrix in 1/m. The diameters are
-// the singular values of this matrix g (I / s - W), times the diameter of the aperture in m.
+// The longest and the shortest diameter of an elliptical circle of confusion, in px.
+// When the lens point moves by q metres, the image of the surface moves by g (I / s - W) q px. The diameters
+// are the singular values of this matrix, times the diameter of the aperture in m.
+// g: film distance / pixel pitch; s: focus distance in m; W: matrix of the record in 1/m
 struct CocAxes {
     double longer_px, shorter_px;
 };

@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Warns of shadows, lighting and reflections that should change while surfaces move, but stay as recorded.
-/// This happens only if the file has a single recorded instant.
+/// Warns of shadows, lighting and reflections that should change while surfaces move, but were recorded at a
+/// single instant.
 void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
                            CommandResult& out) {
     constexpr int rows_at_once = 64;

@@ -19,8 +19,8 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// Returns the values of each setting for which images are made. If --f-number, --focus or --focal-length is
-/// absent, its only value is the one in the sample file.
+/// Returns the values of each setting for which images are made. An absent option has the value in the sample
+/// file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
@@ -87,8 +87,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Warnings of images for which the sample file is insufficient: it was traced for smaller apertures, or
-    // for another shutter interval. Only the first warning is reported, with the number of such images.
+    // All images may have the same warning of an insufficient sample file. So only the first is reported,
+    // with the number of images.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {
@@ -154,7 +154,7 @@ CommandResult run_sweep(const SweepOptions& o) {
                          result.missing.size(), all, result.missing.front()),
              static_cast<double>(result.missing.size()) / static_cast<double>(all)});
     }
-    // --strict ignores warnings about exposure, because they only concern how the images are displayed.
+    // Warnings about exposure concern only the display of the images, so --strict ignores them.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))
         out.exit_code = ExitCode::shortfall;

@@ -18,7 +18,7 @@ namespace postlens {
 
 namespace {
 
-// Warns if shapes with the same id move differently, because a sample file can store only one motion per id.
+// Warns if shapes with the same id move differently, because a sample file stores one motion per id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
@@ -35,7 +35,6 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
 }
 
 // Warns if the user has chosen too few recorded instants (--keys) for the motion while the shutter is open.
-// Of a file with a single instant, `motionblur` and `shoot` warn of changing light themselves.
 void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
     if (!settings.for_shutter || !settings.keys) return;
     const int keys = *settings.keys;
@@ -74,8 +73,7 @@ void check_room(std::uint64_t bytes, const std::string& output) {
                  "expected enough, a smaller --size or --subdivide, or --force to try all the same");
 }
 
-// Returns true if the disk has far more free space than a trace needs. The size of the file is then not
-// predicted.
+// Returns true if the disk has far more free space than a trace needs.
 bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
     constexpr double ample_bytes_per_px = 16384;
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);

@@ -22,8 +22,7 @@ struct LensCommandOptions {
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 
-/// A lens prescription and its settings: the options that `lens show`, `lens trace` and `lens fit` have in
-/// common.
+/// A lens prescription and its settings, for `lens show`, `lens trace` and `lens fit`.
 struct PrescriptionOptions {
     std::string input;
     std::optional<double> f_number, focus_m, wavelength_nm;
@@ -60,12 +59,12 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
-/// Throws Error(wrong_arguments) if a depth, which is measured from the pinhole, lies within the lens.
-/// `option` names the option that states the depth.
+/// Throws Error(wrong_arguments) if a depth, measured from the pinhole, lies within the lens. `option` is the
+/// name of the option for the depth.
 void check_depth(std::string_view option, double depth_m, const TracedLens& lens);
 
-/// Returns the settings of a lens through which rays are traced. If `focus_m` is absent, the lens is focused
-/// at the distance that the prescription states, or at infinity if it states none.
+/// Returns the settings of a lens through which rays are traced. Without `focus_m`, the focus is that of the
+/// prescription, or else infinity.
 [[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
                                                       double film_radius_mm);
 

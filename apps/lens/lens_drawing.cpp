@@ -17,8 +17,8 @@ constexpr Drawing::Colour black{30, 30, 30}, grey{150, 150, 150}, light{225, 225
 constexpr std::array<Drawing::Colour, 5> ray_colours{
     {{0, 114, 178}, {0, 158, 115}, {213, 94, 0}, {204, 121, 167}, {120, 94, 40}}};
 
-// Returns a round distance between the ticks of an axis: 1, 2 or 5 times a power of ten. It is the smallest
-// such value of at least `span` / `count`.
+// Returns a round distance between the ticks of an axis, at least `span` / `count`. It is 1, 2 or 5 times a
+// power of ten.
 double round_step(double span, double count) {
     const double raw = span / count, power = std::pow(10, std::floor(std::log10(raw)));
     for (const double f : {1.0, 2.0, 5.0}) {
@@ -33,8 +33,7 @@ Drawing draw_section(const LensSection& section, const Prescription& lens, const
     constexpr double width = 1200, margin = 24, caption = 44;
     const double z0 = section.front_z_mm, z1 = section.film_z_mm + 0.03 * (section.film_z_mm - z0);
     const double height_mm = std::max(section.height_mm, 1e-6);
-    // The lens fills the width of the image. If the part above the axis would be higher than 425 px, the
-    // scale is reduced to fit this height.
+    // The lens fills the width of the image, but its half above the axis is at most 425 px high.
     const double scale = std::min((width - 2 * margin) / (z1 - z0), 425 / height_mm);
     const double middle = margin + height_mm * scale;
     Drawing out(static_cast<int>(width), static_cast<int>(2 * middle + caption));

@@ -1,6 +1,7 @@
-// Variants of `lens fit` that need no lens prescription. With --pairs, the command fits a thin lens to
-// measured circles of confusion. With --sharp, it finds the lens that keeps a range of depths sharp. With
-// --picture, it estimates the lens with which an image was made.
+// Variants of `lens fit` that need no lens prescription:
+// - --pairs fits a thin lens to measured circles of confusion
+// - --sharp finds the lens that keeps a range of depths sharp
+// - --picture estimates the lens with which an image was made
 #pragma once
 
 #include <optional>

@@ -17,9 +17,8 @@ double degrees(double tangent) {
 }
 
 // Returns the tangent of the largest field angle at which rays are drawn. It follows from the film width, or
-// else from the field angles in the prescription. Without either, it is 0.36, as for a 36 mm wide film and a
-// 50 mm lens. While no light passes through the lens at this angle, it is reduced by 20 %, at most eight
-// times.
+// else from the field angles in the prescription. The default of 0.36 is that of a 36 mm wide film and a 50
+// mm lens. The angle is reduced until light passes through the lens.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {
@@ -47,8 +46,8 @@ nlohmann::ordered_json numbers_json(const FirstOrder& f) {
             {"film_distance_mm", json_number(f.film_distance_mm)}};
 }
 
-// Returns the field of view, in degrees, on a film of the given width. It is computed from traced chief rays
-// and therefore includes distortion.
+// Returns the field of view, in degrees, on a film of the given width. It includes distortion, because chief
+// rays are traced.
 std::optional<double> traced_field_deg(const TracedLens& traced, double film_width_mm) {
     try {
         return 2 * degrees(lens_model_range(traced, 1, 2, 0.5 * film_width_mm, 2).tangents.back());
@@ -78,8 +77,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Rays cannot be traced through a diverging lens, so only its first-order data are reported. If a
-    // drawing, an f-number or a focus distance is requested, the command fails, because TracedLens throws.
+    // Rays cannot be traced through a diverging lens, so only its first-order data are reported. If more is
+    // requested, TracedLens throws.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

@@ -84,8 +84,8 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     return out;
 }
 
-// Returns the distance, in mm, from the centre of the film to the point where a chief ray meets the film.
-// `tangent` is the tangent of the field angle. Returns NaN if the ray does not reach the film.
+// Returns the distance, in mm, from the centre of the film to the chief ray's point on the film, or NaN.
+// `tangent` is the tangent of the field angle.
 double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     const auto aim = traced.aim_at_stop(depth_m, {0, tangent});
     if (!aim) return NAN;
@@ -111,8 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Returns the area, in mm^2, of the part of the entrance pupil that transmits light from a point on the
-/// axis. Areas for points off the axis are divided by this area.
+/// Returns the area, in mm^2, through which the entrance pupil transmits light from a point on the axis.
+/// Areas of points off the axis are stated relative to it.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
@@ -121,8 +121,8 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // `scale` is the image height, in mm, per tangent of the field angle. It is measured close to the axis,
-    // where there is no distortion.
+    // `scale` is the image height, in mm, per tangent of the field angle. Close to the axis, it is free of
+    // distortion.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;
@@ -164,8 +164,7 @@ void write_curves(const std::string& path, const FieldCurves& c) {
                               "field, degrees"));
 }
 
-// Writes the impulse responses of all field points side by side. Each is in a square of the same size,
-// centred on its chief ray.
+// Writes the impulse responses of all field points side by side, each centred on its chief ray.
 void write_impulse(const std::string& path, const TracedLens& traced, double depth_m,
                    const std::vector<FieldResult>& fields, double pitch_mm) {
     std::vector<ResponseGrid> grids;

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Writes an OpenEXR file with one float channel Y, which holds the energy per pixel. The file is written
-/// atomically. Throws Error(cannot_write), or Error(wrong_arguments) if the name does not end in .exr.
+/// Writes an OpenEXR file whose float channel Y is the energy per pixel. The file is written atomically.
+/// Throws Error(cannot_write), or Error(wrong_arguments) if the name does not end in .exr.
 void write_response(const std::filesystem::path& path, const ResponseGrid& grid);
 
 }  // namespace postlens

@@ -17,8 +17,7 @@ void list_option(CLI::App& app, const std::string& name, std::vector<int>& to, c
         ->type_name("N,N,...");
 }
 
-/// Throws if an option is given beside --atlas that has no effect there, because each case states its
-/// settings.
+/// Throws if an option beside --atlas has no effect there, because each case states its settings.
 void refuse_beside_atlas(const CLI::App& app) {
     constexpr std::array<std::string_view, 7> used{"--atlas", "--output", "--restart",     "--threads",
                                                    "--quiet", "--json",   "--requeue-code"};
@@ -89,7 +88,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([=, &app, &common] {
         o->request.join = common.join;
-        // CLI11's option objects no longer exist when the command runs, so this flag is read now.
+        // CLI11's option objects no longer exist when the command runs, so this flag is read here.
         const bool of_atlas = atlas_option->count() > 0;
         if (of_atlas) refuse_beside_atlas(app);
         common.run = [=, asked = asked_for(app), words = words_of(app)] {

@@ -22,7 +22,7 @@ struct Task {
     std::vector<std::string_view> uses;
 };
 
-/// Throws if an option is given that does not apply to this task, because it would have no effect.
+/// Throws if an option is given that has no effect on this task.
 void refuse_unused(const CLI::App& app, const Task& task, std::span<const Task> all) {
     const auto uses = [](const Task& t, const std::string& option) {
         return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();

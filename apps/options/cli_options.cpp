@@ -18,7 +18,6 @@ std::string with_bounds(const std::string& help, const OptionRange& bounds) {
 }
 
 /// Adds an option whose value is parsed by parse(name, text), checked against the bounds, and stored in `to`.
-/// The type `To` is a number or an optional number.
 template <typename To, typename Parse>
 CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::string& help,
                      const OptionRange& bounds, const Parse& parse) {

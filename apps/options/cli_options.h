@@ -1,5 +1,5 @@
 // Options that several subcommands have, and functions that parse option values. Only the files cli*.cpp
-// include this header, because it includes CLI11, which is slow to compile.
+// include this header, because CLI11 is slow to compile.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,8 +19,8 @@
 
 namespace postlens {
 
-// These functions add a numeric option. Its value is parsed by apps/numbers.h instead of CLI11, so that "inf"
-// is accepted, bounds are checked, and error messages name the option. The help text states the bounds.
+// These functions add a numeric option, whose help text states the bounds. apps/numbers.h parses the value,
+// because CLI11 neither accepts "inf" nor checks these bounds.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite = false);
@@ -42,16 +42,16 @@ inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views}
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Adds the flag --dry-run, which predicts time and memory instead of running the command. Only commands
-/// whose work can be divided have this flag.
+/// Adds the flag --dry-run, which predicts time and memory instead of running the command. The work of the
+/// command must be divisible.
 void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. Its help text states `absent` as the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to a command that also reads the scene from which its sample file was traced. The
-/// help text begins with `when`, for example "With --scene: ".
+/// Adds --lumens-per-watt to a command that reads the scene of its sample file. The help text begins with
+/// `when`, for example "With --scene: ".
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
@@ -66,8 +66,8 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. If it is `on_axis`, which is that of a thin
-/// lens for a point on the axis, lens prescriptions and --cats-eye are left out.
+/// Adds --impulse and the other options of the impulse response. With `on_axis`, leaves out lens
+/// prescriptions and --cats-eye, which act only off the axis.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
@@ -84,9 +84,9 @@ struct LensFitLimitsOptions;
 /// Adds those options of `lens fit` that need no lens prescription, for example --pairs (cli_lens_fit.cpp).
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
-/// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas run the subcommands and own the parsed options.
+/// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas own the parsed options and run the subcommands.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
-/// Adds `sweep` (cli_sweep.cpp). A lambda runs the command and owns the parsed options.
+/// Adds `sweep` (cli_sweep.cpp). A lambda owns the parsed options and runs the command.
 void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>

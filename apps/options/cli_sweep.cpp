@@ -150,8 +150,7 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     app.callback([o, &app, &common] {
         go_with(app, {"--shutter-curve", "--paths"}, "--shutter");
         o->settings.join = common.join;
-        // The lambda has copies of all options, because CLI11's option objects no longer exist when the
-        // command runs.
+        // CLI11's option objects no longer exist when the command runs, so the lambda copies all options.
         common.run = [o, dry = common.dry_run, asked = asked_for(app), words = words_of(app)] {
             SweepSettings& s = o->settings;
             if (dry) {

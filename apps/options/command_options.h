@@ -31,8 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options of --frames. First sets `frames.speak`, so that a line is printed after each frame
-    /// unless --quiet or --json is given.
+    /// Returns the options of --frames. A line is printed after each frame, unless --quiet or --json is
+    /// given.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
@@ -52,11 +52,10 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// Adds --share. `what` is the part of the help text that names what is divided into shares, for example
-/// "rows of the picture".
+/// Adds --share. `what` names what is divided into shares, for example "rows of the picture".
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
-/// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. If
-/// the frames are instants of a scene (`in_time`), also adds --fps.
+/// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. Adds
+/// --fps if the frames are instants of a scene (`in_time`).
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
 /// Returns the description of the parsed command from which --dry-run predicts time and memory.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);

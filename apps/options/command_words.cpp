@@ -13,7 +13,7 @@ namespace postlens {
 namespace {
 
 // A mark states what the value of an option is, for example the name of an input file. CLI11's options have
-// no field for a mark. So `marked` adds a validator that accepts every value, and whose name is the mark.
+// no field for it, so the name of a validator is the mark.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -80,8 +80,8 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                            .path = path,
                            .written = written,
                            .numbered = positional || written,
-                           // In most file names, # stands for a digit of the frame number. In the name of a
-                           // scene, it is an ordinary character.
+                           // In a file name, # stands for a digit of the frame number, but not in the name of
+                           // a scene.
                            .hashes = option->get_name() != "scene"});
         }
     }
@@ -103,8 +103,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // Options that do not change the result. They change only where and how fast it is computed, and which
-    // messages are printed.
+    // Options that do not change the result, but only where and how fast it is computed, and which messages
+    // are printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -116,8 +116,7 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // With --frames, the input files can differ from frame to frame only in positional arguments and
-        // these options.
+        // With --frames, only positional arguments and these options can name other files in each frame.
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);
@@ -159,8 +158,8 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // The value is written as --name=value. As a separate word, a value that begins with a dash would
-            // be parsed as an option.
+            // The value is written as --name=value, because it may begin with a dash. As a separate word, it
+            // would then be parsed as an option.
             if (option->get_positional())
                 out.push_back(text);
             else

@@ -1,5 +1,5 @@
-// Finds the files that a command line reads and writes, and the options that change its result. Also lists
-// the words with which `merge` and --dry-run can run the command again.
+// Finds the files that a command line reads and writes, and the options that change its result. Lists the
+// words with which `merge` and --dry-run run the command again.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,25 +11,24 @@
 
 namespace postlens {
 
-/// These functions mark an option whose value is a file name or contains one, such as `image:FILE`, and
-/// return the option. Commands that write files must mark all such options, because files_of finds no others.
+/// These functions mark an option whose value contains a file name, such as `image:FILE`, and return the
+/// option. Each such option of a command that writes files must be marked, because files_of finds no others.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
-/// Returns the innermost subcommand of the command line, which is `psf` for `lens psf`. Returns `app` if
-/// there is no subcommand.
+/// Returns the innermost subcommand, for example `psf` for `lens psf`, or `app` if there is none.
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
 /// Returns the files that the parsed subcommand reads and writes, as named by its marked options.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value. The cause may be a
-/// shell variable that is not set. An output with an empty name would otherwise be computed but not written.
+/// Throws Error(wrong_arguments) if an option has an empty value, for example from a shell variable that is
+/// not set. Otherwise, an output with an empty name would not be written.
 void refuse_empty_values(CLI::App& app);
 /// Returns the options and input files that determine the result of the parsed subcommand.
 [[nodiscard]] AskedFor asked_for(CLI::App& root);
 
-/// Returns the words of the command line, from which the command can be run again. Leaves out --share,
+/// Returns the words of the command line, with which the command can be run again. Leaves out --share,
 /// --dry-run, --json, --restart and the options that name outputs.
 [[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
 

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double default_fps = 24;
 
-/// Returns the instant of a frame on the scene's clock, in seconds. It is frame / fps plus the value of
-/// --time.
+/// Returns the instant of a frame on the scene's clock, in seconds: frame / fps plus --time.
 double time_of(const FrameOptions& options, int frame, const std::optional<double>& time_s) {
     return frame / options.fps.value_or(default_fps) + time_s.value_or(0);
 }
@@ -41,9 +40,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// If several machines share one image (--share), limits `crop` to the rows of this machine, and sets
-/// `shared`, so that `merge` will recognise the result. Does nothing with --frames, because each machine then
-/// makes whole images.
+/// Limits `crop` to the rows of this machine if several machines share one image (--share). Also sets
+/// `shared`, by which `merge` recognises the result. With --frames, each machine makes whole images.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -57,9 +55,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share would divide an image that only one machine can make. This is the case with --explain,
-/// and if the method `auto` decides by errors that it measures on the whole image (`decides`). Does not throw
-/// with --frames, because each machine then makes whole images.
+/// Throws if --share would divide an image that must be made as a whole. --explain needs the whole image, and
+/// so does the method `auto` if it measures errors (`decides`).
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -70,8 +67,7 @@ void refuse_shared_target(const FrameOptions& frames, bool decides, const Retrac
     if (retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
 }
 
-/// Replaces the exposure `auto` by the automatic exposure of the first frame, so that a sequence does not
-/// flicker.
+/// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
 ExposureOption of_first_frame(const ExposureOption& asked, const std::function<double()>& stops) {
     if (!asked.automatic) return asked;
     return {.stops = stops()};
@@ -102,8 +98,8 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
-/// Returns the names of the separate files that contain the depths, ids and motion vectors of an image. A
-/// name is empty if there is no such file.
+/// Returns the names of the separate files with the depths, ids and motion vectors of an image. A name may be
+/// empty.
 std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
     return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
 }
@@ -121,8 +117,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains `exposure` and `made_by`: for ShootOptions its member `focus`, for all
-/// other commands `options` itself.
+/// Returns the struct that contains `exposure` and `made_by`: the member `focus` of ShootOptions, or
+/// `options` itself.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -132,8 +128,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// Runs a command once for each frame of --frames, or only once without --frames. Before each run, `adapt`
-/// sets the file names and times of the frame in the options.
+/// Runs a command once for each frame of --frames, or once without --frames. Before each run, `adapt` sets
+/// the file names and times of the frame.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -149,8 +145,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // For `auto`, the exposure of the first frame is used for all frames. It is stored with each
-            // frame, because --keep must make all frames again if it changes.
+            // For `auto`, all frames have the exposure of the first frame. Each frame stores it, because
+            // --keep must make all frames again if it changes.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

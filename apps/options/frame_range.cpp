@@ -45,8 +45,8 @@ bool taken(std::string_view& text, char c) {
     return true;
 }
 
-/// Returns the length of the placeholder, such as %04d, at the beginning of the text, and its number of
-/// digits. Returns two zeros if the text does not begin with a placeholder.
+/// Returns the length of a placeholder such as %04d at the beginning of the text, and its number of digits.
+/// Returns zeros if there is none.
 std::pair<std::size_t, int> place_of_number(std::string_view text) {
     if (text.starts_with("%d")) return {2, 1};
     const bool zeros = text.size() >= 4 && text[0] == '%' && text[1] == '0' && text[2] >= '1' &&
@@ -63,8 +63,7 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // Rows are written in order. So the file is complete if the last row can be read at each recorded
-        // instant.
+        // Rows are written in order, so a file whose last row can be read is complete.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -86,20 +85,19 @@ std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? "" : json_dump(made_by);
 }
 
-/// Compares the settings that the file `output` states with those of the command, `made_by`. Returns the
-/// first difference, which is why the output must be made again, or an empty text if there is none. A file
-/// without settings counts as different.
+/// Returns the first difference between the settings stated in the file `output` and those of the command,
+/// `made_by`. The text is empty if they agree. A file without settings counts as different.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // The stored settings passed through `text_of`, which replaces invalid UTF-8. `made_by` passes through it
-    // too, so that equal settings compare equal.
+    // The stored settings passed through `text_of`, which replaces invalid UTF-8. So `made_by` must pass
+    // through it too.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames. If several frames have a warning with the same code, only the first
-/// is listed, with the number of the others.
+/// Collects the warnings of all frames. Of several frames with the same warning, only the first is listed,
+/// with the number of the others.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

@@ -11,14 +11,12 @@
 
 namespace postlens {
 
-/// Parses frame numbers such as "1-48", "1-48x2" (every second frame) or "1,5,9". Several of these may be
-/// joined by commas. The order is kept. A number must not occur twice. Throws Error(wrong_arguments), which
-/// names the option.
+/// Parses frame numbers such as "1-48", "1-48x2" (every second frame), "1,5,9" or combinations. The order is
+/// kept, and no number may occur twice. Throws Error(wrong_arguments), which names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
 /// A file name with placeholders for the frame number: %d, or for example %04d for 4 digits with leading
-/// zeros. If there is none and `hashes` is set, a run of # in the last part of the path is a placeholder,
-/// with one # for each digit.
+/// zeros. If there is none and `hashes` is set, a run of # in the last part of the path is the placeholder.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -37,11 +35,10 @@ struct FrameOptions {
     std::optional<double> fps;  ///< for trace and render; 24 if absent
     bool keep =
         false;  ///< skip a frame if its output is complete and was made from the same inputs and options
-    /// Returns the options and inputs that determine the result for one frame (its fingerprint). They are
-    /// written to the frame's file.
+    /// Returns the options and inputs that determine the result for one frame. They are written to the
+    /// frame's file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
-    /// The share of the work that this machine does: every N-th frame with --frames, otherwise a part of the
-    /// image.
+    /// The share of this machine: every N-th frame with --frames, otherwise a part of the image.
     std::optional<SharedWork> shared;
     bool speak = false;  ///< print a line after each frame
 };
@@ -55,8 +52,8 @@ struct FrameFiles {
     std::vector<std::string> passes;
 };
 
-/// Checks a command without --frames. Throws Error(wrong_arguments) if a file name has a placeholder for the
-/// frame number, or if --keep or --fps is given.
+/// Checks a command without --frames. Throws Error(wrong_arguments) if a file name has a placeholder, or if
+/// --keep or --fps is given.
 void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
 /// Runs the command for each frame by calling `run`, which also receives the text for Image::made_by. If

@@ -1,5 +1,4 @@
-// The files that a command line names. Checks that no file is both read and written, and that no file is
-// written twice.
+// Checks the files that a command line names: no file may be both read and written, or written twice.
 #pragma once
 
 #include <optional>
@@ -13,12 +12,11 @@ struct NamedFile {
     std::string path;
     bool written = false;
     /// `numbered` allows placeholders such as %04d for the frame number, if --frames is given. `hashes` also
-    /// allows # as a placeholder (frame_range.h).
+    /// allows # (frame_range.h).
     bool numbered = false, hashes = false;
 };
 
-/// Throws Error(wrong_arguments) if an output file is also an input, or is written twice. The files of all
-/// `frames` are checked.
+/// Throws Error(wrong_arguments) if an output file of any frame is also an input, or is written twice.
 void refuse_shared_files(const std::vector<NamedFile>& files, const std::optional<std::vector<int>>& frames);
 
 }  // namespace postlens

@@ -13,13 +13,13 @@ namespace {
 /// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// Noise is estimated from the difference of two halves of the samples. This is inaccurate for a single
-/// pixel, so the noise is averaged over all pixels within this distance along x and y.
+/// Noise is estimated from the difference of two halves of the samples. A single pixel is too inaccurate, so
+/// the noise is averaged over all pixels within this distance along x and y.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. It is estimated from
-/// the difference between the two independent halves of the image.
+/// Returns the noise variance of each pixel, in sRGB values, as the mean of the channels. It is estimated
+/// from the difference between the two halves of the image.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

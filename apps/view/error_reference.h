@@ -1,5 +1,5 @@
-// Traces a reference image in a limited time. The viewer compares its image with this reference to find the
-// causes of errors.
+// Traces a reference image in a limited time. From the difference to it, the viewer finds the causes of
+// errors in its image.
 #pragma once
 
 #include <functional>
@@ -22,13 +22,13 @@ struct ErrorReference {
     std::vector<float> noise;
 };
 
-/// Traces a reference for about 10 s, but with at least 32 and at most 1024 rays per pixel. `trace` must make
-/// an image with the given number of rays per pixel, which is even.
+/// Traces a reference for about 10 s, but with at least 32 and at most 1024 rays per pixel. `trace` makes an
+/// image with an even number of rays per pixel.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
 /// Prevents noise of the reference from counting as an error of `image`. Where the two differ by at most
-/// three standard deviations of the noise, the image's colour is copied to the reference. Throws
-/// Error(invalid_input) if the sizes differ.
+/// three standard deviations of the noise, the reference gets the image's colour. Throws Error(invalid_input)
+/// if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 
 }  // namespace postlens

@@ -9,21 +9,21 @@
 
 namespace postlens {
 
-/// Inverse focus distance and object id of the surface in each pixel, row by row. In a sample file, it is the
-/// brightest surface that the pinhole sees in the pixel. In another program's image, it is the surface at
-/// which the alpha, accumulated from front to back, reaches one half.
+/// Inverse focus distance and object id of the surface in each pixel, row by row.
+/// - For a sample file, it is the brightest surface that the pinhole sees in the pixel.
+/// - For another program's image, it is the first surface at which the accumulated alpha reaches one half.
 struct ImageDepths {
-    /// Inverse of the focus distance, in 1/m, at which the surface is sharp. If a curved mirror forms its
-    /// image at two distances (astigmatism), it is the mean of both inverses. It is negative for some
-    /// reflections on which no lens can focus.
+    /// Inverse of the focus distance, in 1/m, at which the surface is sharp. If a curved mirror forms the
+    /// surface's image at two distances (astigmatism), it is the mean of both inverses. It is negative for
+    /// some reflections on which no lens can focus.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };
 
 /// Computes the depths of a sample file at the instant of the frame. Throws the errors of the reader.
 [[nodiscard]] ImageDepths image_depths(const SampleFileReader& file);
-/// Computes the depths of another program's image. Pixels that the file does not store are infinitely far and
-/// have the id 0.
+/// Computes the depths of another program's image. A pixel that the file does not store has an infinite depth
+/// and the id 0.
 [[nodiscard]] ImageDepths image_depths(const ForeignPicture& picture);
 
 }  // namespace postlens

@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Opens the address in the desktop's browser. A failure is ignored, because the address is also printed.
+/// Opens the address in the desktop's browser. Errors are ignored, because the address is also printed.
 void open_in_browser(const std::string& address) {
     std::string program = "xdg-open", argument = address;
     std::array<char*, 3> words{program.data(), argument.data(), nullptr};
@@ -36,7 +36,7 @@ CommandResult run_view(const ViewOptions& options) {
         if (open) open_in_browser(viewer->server.address());
         Job& job = Job::current();
         std::jthread watcher([&](const std::stop_token& served) {
-            // `stop` has no effect on a server that does not yet serve, so it is repeated until `serve` ends.
+            // `stop` has no effect before the server serves, so it is repeated until `serve` ends.
             while (!served.stop_requested()) {
                 if (job.cancelled()) {
                     viewer->session.stop();

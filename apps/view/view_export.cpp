@@ -30,7 +30,7 @@ std::string data_uri(const std::string& type, const std::string& bytes) {
     return "data:" + type + ";base64," + text;
 }
 
-/// Scales an image down by the integer factor `by`. Each new pixel is the mean of a square of by x by pixels.
+/// Downscales an image by the integer factor `by`. Each new pixel is the mean of by x by pixels.
 Image shrunk(const Image& from, int by) {
     if (by == 1) return from;
     Image out(from.width / by, from.height / by);
@@ -46,8 +46,8 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Returns focus distances in metres, from near to far, some perhaps infinite. They are quantiles of the
-/// depths of all pixels, so most of them lie at depths that many pixels show.
+/// Returns focus distances in metres, from near to far, possibly infinite. They are quantiles of the depths
+/// of all pixels, so that many pixels are in focus.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -60,9 +60,8 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black
-/// means infinity, and white the inverse depth `greatest`. The image is a quarter as wide and high as the
-/// frame.
+/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black is
+/// infinity, white is `greatest`. The image is a quarter as wide and high as the frame.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
@@ -107,11 +106,10 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // No lens can focus on a surface with a negative inverse distance. The value is replaced by 0, which
-        // means infinity.
+        // No lens can focus on a negative inverse distance, so it becomes 0 (infinity).
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
-        // The size of all images in bytes is estimated from a single image at the middle focus distance.
+        // The total size in bytes is estimated from a single image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
@@ -135,8 +133,8 @@ class Exporter {
     }
 
   private:
-    /// Returns the bytes of a JPEG image. For sample files, the image is the mean of 64 views (reprojections
-    /// to lens points). For images of other programs, the method `layers` is used.
+    /// Returns the bytes of a JPEG image. For sample files, it is the mean of 64 views (images from single
+    /// lens points). Images of other programs are blurred by the method `layers`.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

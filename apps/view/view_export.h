@@ -12,9 +12,9 @@ struct ViewExportOptions {
     double most_mb = 10;  ///< greatest size of the page, MB (1e6 bytes)
 };
 
-/// Writes a page with JPEG images for several focus distances and f-numbers, and with a depth map on which
-/// the user clicks. If the page would exceed `most_mb`, it gets fewer or smaller images. Throws
-/// Error(wrong_arguments) if even the smallest page is too large.
+/// Writes a page with JPEG images for several focus distances and f-numbers, and a depth map for the user's
+/// clicks. A page above `most_mb` gets fewer or smaller images. Throws Error(wrong_arguments) if even the
+/// smallest page is too large.
 [[nodiscard]] CommandResult export_view(const ViewExportOptions& options);
 
 }  // namespace postlens

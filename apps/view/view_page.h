@@ -1,5 +1,4 @@
-// The files of the viewer's page. Their sources are in the folder viewer/, and they are compiled into the
-// program.
+// The files of the viewer's page. They are compiled into the program from the folder viewer/.
 #pragma once
 
 #include <optional>

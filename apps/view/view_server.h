@@ -8,13 +8,12 @@
 
 namespace postlens {
 
-/// Serves the viewer's page and the replies of a session on 127.0.0.1. The path of every URL begins with a
-/// random token. Requests whose Host or Origin is another site are refused. The page loads nothing from other
-/// servers.
+/// Serves the viewer's page and the replies of a session on 127.0.0.1.
+/// Other sites have no access: every URL contains a random token, and a foreign Host or Origin is refused.
+/// The page loads nothing from other servers.
 class ViewServer {
   public:
-    /// Binds the port. If `port` is 0, any free port is used. Throws Error(wrong_arguments) if the port is in
-    /// use.
+    /// Binds the port, or any free port if `port` is 0. Throws Error(wrong_arguments) if the port is in use.
     ViewServer(ViewSession& session, int port);
     ~ViewServer();
     ViewServer(const ViewServer&) = delete;

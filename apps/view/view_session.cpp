@@ -47,8 +47,8 @@ void append_halves(std::string& out, const std::vector<float>& values) {
     append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
-/// Returns the beginning of a reply with binary data: the length of the JSON text, the text itself, and zeros
-/// up to a multiple of 4 bytes. Memory is reserved for the `bytes` bytes of data that follow.
+/// Returns the beginning of a reply with binary data: the length of the JSON text, the text, and zeros up to
+/// a multiple of 4 bytes. Reserves memory for the `bytes` of data that follow.
 ViewReply reply_with(const Json& json, std::size_t bytes) {
     const std::string text = json_dump(json);
     ViewReply out{.type = "application/octet-stream"};
@@ -64,14 +64,13 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Returns the reply to a request for an image: a JSON text followed by the pixels as half floats
-/// (ViewSession::picture).
+/// Returns the reply to a request for an image: JSON, then the pixels as half floats (ViewSession::picture).
 ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The viewer's page shows only the noise (mean squared error) of each tile, a square of the image. So
-        // the rest of `plan` is not sent.
+        // Of `plan`, the page needs only the noise (mean squared error) of each tile, a square of the image.
+        // The rest is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -90,8 +89,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Runs `focus` or `shoot` on the open sample file `kept`, after waiting for other users of this file.
-/// Returns the running time in seconds, without the wait.
+/// Runs `focus` or `shoot` on the open sample file `kept`, after other users of this file. Returns the
+/// running time in seconds, without the wait.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
@@ -102,8 +101,8 @@ double run_kept(const std::vector<std::string>& words, const std::shared_ptr<Kep
     return seconds_since(start);
 }
 
-/// The options of `focus` and `shoot` that the page may set. None of them names a file, so that the page
-/// cannot access other files.
+/// The options of `focus` and `shoot` that the page may set. None of them names a file, because the page must
+/// not access other files.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
         "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
@@ -154,8 +153,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method whose causes of error are searched for an image made by the method `name`. For `auto`,
-/// it is `hybrid`, because both reproject the records and trace rays. Empty if there is no such method.
+/// Returns the method, named `name`, for which causes of error are searched. `auto` becomes `hybrid`, because
+/// both reproject records and trace rays. Empty if there is no such method.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -186,8 +185,7 @@ ViewSession::ViewSession(ViewOptions options)
         fail(ExitCode::invalid_input, "{}: not a scene (got the kind {}; expected the scene of {})",
              *options_.scene, of_scene["kind"].dump(), options_.input);
     }
-    // The scene must be the one from which the frame was traced. This is checked by the SHA-256 that sample
-    // files state.
+    // Checks, by the SHA-256, that the sample file was traced from this scene.
     if (facts_[key] != of_scene.at(key)) {
         fail(ExitCode::invalid_input,
              "{}: is not the scene that {} was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
@@ -251,8 +249,8 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         check_value(name, value);
         words.push_back(option(name, value));
     }
-    // The image has the raster, the field of view and the exposure of the frame, even if those of the scene
-    // differ. So it can be compared with images of the frame.
+    // The image gets the raster, the field of view and the exposure of the frame, so that it can be compared
+    // with it.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {
@@ -335,9 +333,8 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. If `picture` made its last image with them,
-/// returns that image. Otherwise opens the file a second time, so that other requests, which use the file
-/// that is already open, need not wait.
+/// Returns the image that `picture` makes with these parameters. Unless it is the last image that `picture`
+/// made, the file is opened a second time, so that other requests need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

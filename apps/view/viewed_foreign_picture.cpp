@@ -13,8 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples of a pixel that are sent to the page. A pixel that shows smoke may have
-/// thousands.
+/// Largest number of samples of a pixel that are sent to the page. A pixel with smoke may have thousands.
 constexpr std::size_t most_nodes = 64;
 
 /// Returns a distance in metres for JSON. Null means infinity.
@@ -24,8 +23,8 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// Reads the image with the default options of `focus`, so that the page shows the depths that `focus`
-    /// uses.
+    /// The page must show the depths that `focus` uses, so the image is read with the default options of
+    /// `focus`.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -74,8 +73,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by their light, and black samples by their coverage alpha. For this, the
-            // light counts as at least 1e-12 times alpha.
+            // Samples are sorted by their light. A light of at least 1e-12 times alpha also sorts black
+            // samples, by their coverage alpha.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -95,8 +94,8 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// Returns the lens from the options or, where these are absent, from the file. Returns an empty value if
-    /// the f-number or the focus distance is missing.
+    /// Returns the lens of the options, or else of the file. Returns an empty value if the f-number or the
+    /// focus distance is missing.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;
@@ -126,8 +125,8 @@ class ViewedForeignPicture : public ViewedFrame {
         return node;
     }
 
-    /// Returns the name of an object, or its id as a text if the image has no name for it. Returns an empty
-    /// text for the id 0, which means no object.
+    /// Returns the name of an object, or its id if the image has no name for it. The text is empty for the id
+    /// 0, which means no object.
     [[nodiscard]] std::string name_of(std::uint32_t id) const {
         if (id == 0) return "";
         if (const auto found = names_.find(id); found != names_.end()) return found->second;

@@ -22,22 +22,21 @@ class ViewedFrame {
     ViewedFrame(ViewedFrame&&) = delete;
     ViewedFrame& operator=(ViewedFrame&&) = delete;
 
-    /// Returns what `info` reports about the file. This includes at least:
-    /// - width and height;
-    /// - pixel_pitch_mm, film_distance_mm and focal_length_mm, from which the page computes circles of
-    ///   confusion;
-    /// - f_number, focus_m and nearest_m (the smallest depth), which are null if they are unknown. A focus at
-    ///   infinity is the text "inf".
+    /// Returns what `info` reports about the file, at least:
+    /// - width and height
+    /// - pixel_pitch_mm, film_distance_mm and focal_length_mm, for the circles of confusion
+    /// - f_number, focus_m ("inf" means infinity) and nearest_m (the smallest depth), or null if they are
+    ///   unknown
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
     /// Returns what the pixel at a raster position shows, as JSON:
-    /// - "nodes" lists the surfaces seen directly, by reflection or by refraction, sorted by their share of
-    ///   the light. Each has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
+    /// - "nodes" lists the surfaces seen directly, by reflection or by refraction, the brightest first. Each
+    ///   has "share" (of the light), "id", "name", "z_m" and, if the lens is known, "coc_px".
     /// - "clicked" is the surface on which a click focuses, with "name" and "focus_m" (null means infinity).
     ///   It is null if the file stores nothing there.
     /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
-    /// Returns the sample file, which stays open for further images, or null for another program's image.
+    /// Returns the sample file, which stays open for further images. Null for another program's image.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
     /// A sample file for quick images. Its pixels are `by` times as wide and high as those of the frame.
     struct Records {
@@ -46,16 +45,16 @@ class ViewedFrame {
         int by = 1;
     };
     /// Returns a temporary file with fewer records than the frame, for quick images (write_coarser_file).
-    /// Returns the frame's own file if it has few records. Throws Error(wrong_arguments) for another
-    /// program's image.
+    /// Returns the frame's own file if it is small. Throws Error(wrong_arguments) for another program's
+    /// image.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 
-/// Opens a sample file or another program's image. An image is read completely. Throws Error(invalid_input)
-/// if the file is neither. Also throws the errors of the readers.
+/// Opens a sample file, or reads another program's image. Throws Error(invalid_input) if the file is neither,
+/// and the errors of the readers.
 [[nodiscard]] std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input);
 
-/// Returns a focus distance as JSON: null if there is none, "inf" for infinity, otherwise a number in metres.
+/// Returns a focus distance in metres as JSON: null if there is none, "inf" for infinity.
 [[nodiscard]] nlohmann::ordered_json focus_fact(const std::optional<double>& focus_m);
 
 /// These functions open the two kinds of frames.

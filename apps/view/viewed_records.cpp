@@ -17,8 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Sums over the records of a pixel that show the same object by the same sequence of reflections and
-/// refractions.
+/// Sums over those records of a pixel that show the same object by the same reflections and refractions.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -85,8 +84,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means focus at infinity. It is also used if the inverse distance is negative, because no
-            // lens can focus on the surface.
+            // Null means focus at infinity. It also stands for a negative inverse distance, on which no lens
+            // can focus.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
@@ -98,7 +97,7 @@ class ViewedRecords : public ViewedFrame {
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // A frame up to these limits needs no reduced copy: two cores make a quick image of it in about 50
+        // A frame below these limits needs no reduced copy: two cores make a quick image of it in about 50
         // ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);

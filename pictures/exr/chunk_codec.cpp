@@ -8,18 +8,18 @@
 namespace postlens {
 namespace {
 
-/// The fastest level. Higher levels make files a little smaller, but take much longer
+/// The fastest level. Higher levels make slightly smaller files in much more time
 /// (bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// Run-length encoding of OpenEXR. A run of equal bytes is stored as its length minus 1, followed by the byte.
-// A sequence of differing bytes is stored as its negated length, followed by the bytes.
+// Run-length encoding of OpenEXR. Equal bytes are stored as their number minus 1, and the byte. Differing
+// bytes are stored as their negated number, and the bytes.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
-/// Moves the bytes at even positions to the front and those at odd positions behind them. Then replaces each
-/// byte by its difference from the previous byte, plus 128.
+/// Moves the bytes at even positions before those at odd positions. Then replaces each byte by its difference
+/// from the previous byte, plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
     apart.resize(raw.size());
     out.resize(raw.size());
@@ -41,13 +41,13 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
     }
 }
 
-/// Recovers the bytes from their differences: each byte becomes the sum of itself and the previous result,
-/// minus 128. The first byte stays unchanged.
+/// Recovers the bytes from their differences: each byte becomes the previous result plus this byte, minus
+/// 128. The first byte stays unchanged.
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Computes prefix sums of eight bytes at a time, in a 64-bit word. The word is added to itself three
-    // times, shifted by 1, 2 and 4 bytes. `add` adds byte by byte, without carries between bytes.
+    // Computes prefix sums of eight bytes in a 64-bit word. It adds the word to itself three times, shifted
+    // by 1, 2 and 4 bytes. `add` adds byte by byte, without carry.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -81,7 +81,7 @@ void unpredict(Bytes& predicted, std::span<std::uint8_t> raw) {
     if (even_count > pairs) to[2 * pairs] = even[pairs];
 }
 
-/// Returns the length of the encoded data, or 0 if the encoded data is not shorter than `in`.
+/// Returns the length of the encoded data, or 0 if it is not shorter than `in`.
 std::size_t run_length_encode(ByteView in, Bytes& out) {
     out.resize(in.size() + 2);
     const std::size_t limit = in.size();
@@ -172,7 +172,7 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The output is limited to one byte less than `raw`, because a chunk that is not smaller is stored
+        // The output must be at least one byte shorter than `raw`. Otherwise, the chunk is stored
         // uncompressed.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);

@@ -1,4 +1,4 @@
-// Compresses and expands chunks of OpenEXR files by the methods used in sample files: none, RLE and deflate.
+// Compresses and expands chunks of OpenEXR files by the methods of sample files: none, RLE and deflate.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ enum class ChunkCompression : std::uint8_t { none = 0, rle = 1, zips = 2, zip = 
 /// Returns the number of scanlines per chunk: 16 for zip, otherwise 1.
 [[nodiscard]] int rows_per_chunk(ChunkCompression compression);
 
-/// Compresses and expands chunks in the way that OpenEXR does. Compression first separates the bytes at even
-/// and odd positions, then takes differences of neighbouring bytes. The result is encoded as run lengths or
-/// as a zlib stream. Each thread needs its own object, because an object has scratch memory.
+/// Compresses and expands chunks like OpenEXR. Bytes at even and odd positions are separated, and replaced by
+/// differences of neighbours. The result is encoded as run lengths or as a zlib stream. Each thread needs its
+/// own object, which has scratch memory.
 class ChunkCodec {
   public:
     ChunkCodec();
@@ -33,8 +33,8 @@ class ChunkCodec {
     ChunkCodec(ChunkCodec&&) = delete;
     ChunkCodec& operator=(ChunkCodec&&) = delete;
 
-    /// Compresses `raw` into `packed` and returns the compressed chunk. Returns `raw` itself if compression
-    /// does not make it smaller. OpenEXR recognises an uncompressed chunk by its size.
+    /// Compresses `raw` into `packed` and returns the chunk. Returns `raw` itself if it would not become
+    /// smaller. OpenEXR recognises an uncompressed chunk by its size.
     [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
 
     /// Expands `packed` into `raw`. Returns false if `packed` is damaged or does not fill `raw` exactly.

@@ -40,8 +40,7 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// `value` begins with a list of channels. Returns the offset of the first byte after the list, or 0 if the
-/// list is not terminated.
+/// `value` begins with a list of channels. Returns the offset after the list, or 0 if the list has no end.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {
@@ -76,9 +75,8 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Returns an upper bound, in bytes, of the memory that the OpenEXR library allocates for the pixels of one
-/// chunk: 4 bytes per channel and pixel. A tile size in the header counts only if `tiled` is true, because
-/// scanline parts may also state one.
+/// Returns an upper bound, in bytes, of the memory that the OpenEXR library allocates for one chunk: 4 bytes
+/// per channel and pixel. A tile size counts only with `tiled`, because scanline parts may also state one.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -103,8 +101,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // The OpenEXR library gives a small data window to a scanline part that has none. The chunks are then
-    // small, too.
+    // The OpenEXR library gives a small data window to a scanline part that has none. So its chunks are
+    // small.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -178,8 +178,8 @@ std::optional<ChunkCompression> ExrPart::compression() const {
 std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     const auto bytes = raw("channels", "chlist");
     if (!bytes) return std::nullopt;
-    // A channel is stored as its name, a zero byte, int32 type, uint8 linear flag, 3 unused bytes, int32 x
-    // sampling and int32 y sampling. A zero byte ends the list of channels.
+    // A channel is stored as name, zero byte, int32 type, uint8 linear flag, 3 unused bytes, int32 x sampling
+    // and int32 y sampling. A zero byte ends the list.
     constexpr std::size_t tail = 16;
     std::vector<ExrChannel> channels;
     ByteView rest = *bytes;
@@ -244,9 +244,8 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // After an idmanifest attribute, the OpenEXR library (3.1) skips the first four characters of the
-            // next attribute's name. Nothing remains of a name of at most four characters, and the library
-            // misreads what follows, so such files are refused.
+            // After an idmanifest attribute, the OpenEXR library (3.1) skips four characters of the next
+            // attribute's name. A name of at most four characters would vanish, so such files are refused.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -1,4 +1,4 @@
-// Opens OpenEXR files for reading and reads their headers. Every size is checked before memory is allocated.
+// Opens OpenEXR files and reads their headers. Every size is checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A regular file opened for reading. Functions that fail throw Error(invalid_input) with the name of the
-/// file. Several threads may read at the same time.
+/// A file opened for reading. Functions that fail throw Error(invalid_input) with the name of the file.
+/// Several threads may read at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);
@@ -53,7 +53,7 @@ struct ExrChannel {
 };
 
 /// The attributes of one part, by name. A getter returns an empty optional if the attribute is absent. It
-/// throws Error(invalid_input) if the attribute has the wrong type or a damaged value.
+/// throws Error(invalid_input) if the type is wrong or the value is damaged.
 class ExrPart {
   public:
     explicit ExrPart(std::string file_name) : file_(std::move(file_name)) {}
