@@ -66,15 +66,15 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// If the image is a crop, `crop` is its position in the whole image.
+/// Position of a crop in the whole image. `crop` is empty for a whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Many programs expect an OpenEXR image to have alpha. An image without alpha is therefore written with
-    // an alpha of 1, stored as half floats.
+    // Many programs expect an OpenEXR image to have alpha. So an opaque image gets an alpha of 1, stored as
+    // half floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -98,7 +98,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // The file is not compressed, because RLE (run-length encoding) does not make float channels smaller.
+    // RLE (run-length encoding) does not make float channels smaller, so the file is not compressed.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -144,7 +144,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // Loading the library here reports a missing library before the image is computed.
+    // Loading the library here reports that it is missing before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -186,8 +186,7 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// Rectangle of the returned image in the file: the display window, or for a crop the data window,
-    /// because the display window of a crop is the whole image.
+    /// Rectangle of the returned image in the file: the display window, or for a crop its data window.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -265,7 +264,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values are read into the first third of the array, and expanded to RGB below.
+    // Grey values are read into the first third of the array, and then expanded to RGB.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), reason_of(problem));
     if (channels == 1) {
@@ -275,7 +274,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // In sRGB formats, the value 1 is white. The exposure is unknown unless the attribute states it.
+    // In sRGB formats, 1 is white. The exposure is unknown unless the attribute states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

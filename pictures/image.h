@@ -14,15 +14,14 @@
 
 namespace postlens {
 
-/// An RGB image with three floats per pixel, row by row, top row first. Values are linear, are not clamped
-/// and have Rec.709 primaries. The value 1 is white. If the image has alpha, its colours are premultiplied by
-/// alpha.
+/// An RGB image with three floats per pixel, row by row, top row first. Values are linear and not clamped,
+/// with Rec.709 primaries. 1 is white. Colours are premultiplied by alpha.
 struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
-    /// Exposure of the image: `rgb` is radiance times 2^exposure_stops. Empty if the exposure is unknown, as
-    /// in PNG, TIFF or JPEG files that other programs wrote.
+    /// Exposure of the image: `rgb` is radiance times 2^exposure_stops. Empty if it is unknown, as in 8-bit
+    /// and 16-bit files of other programs.
     std::optional<double> exposure_stops = 0.0;
     /// An additional channel with one value per pixel. The exposure does not affect these values.
     struct Plane {
@@ -45,8 +44,8 @@ struct Image {
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
-/// A rectangular part of an image: the pixels [x, x + width) x [y, y + height). The upper left pixel of the
-/// image is (0, 0). See pictures/crop.h.
+/// A rectangular part of an image: the pixels [x, x + width) x [y, y + height), counted from the upper left
+/// pixel. See pictures/crop.h.
 struct Crop {
     int x = 0, y = 0, width = 0, height = 0;
     [[nodiscard]] bool operator==(const Crop&) const = default;
@@ -77,11 +76,10 @@ std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
                           const std::optional<Crop>& crop = std::nullopt);
 
 /// Checks an output path before the image is computed. Throws Error(wrong_arguments) if `write_image` does
-/// not accept the path. Throws Error(invalid_input) if the library for the format cannot be loaded
-/// (pictures/formats/picture_library.h).
+/// not accept the path. Throws Error(invalid_input) if the format's library cannot be loaded.
 void check_image_path(const std::filesystem::path& path);
-/// Throws Error(wrong_arguments) unless a path has the extension .exr. `what` names the contents of the file
-/// in the error message, for example "records".
+/// Throws Error(wrong_arguments) unless a path has the extension .exr. `what` is the contents of the file in
+/// the error message, for example "records".
 void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
@@ -93,8 +91,8 @@ struct ImageSize {
 /// Error(invalid_input).
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
-/// Returns the text that states how an image or a sample file was made (`made_by`), or an empty text if the
-/// file has none. Throws Error(invalid_input).
+/// Returns the text that states how an image or a sample file was made (`made_by`), or an empty text. Throws
+/// Error(invalid_input).
 [[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
 /// Which values `read_image` returns for an OpenEXR file that states an exposure.
@@ -104,12 +102,10 @@ enum class PictureValues {
 };
 
 /// Reads the first part of any file that OpenImageIO can read. The image gets its first three channels, or
-/// the first one as grey if there are fewer than three. Integer values, and values tagged as sRGB, are
-/// converted to scene-linear.
+/// one channel as grey. Integers and values tagged as sRGB are converted to scene-linear.
 ///
-/// The image covers the display window, or only the crop if the file is a crop (see write_image). Pixels
-/// outside the window are dropped, and pixels that the file does not store are black. Throws
-/// Error(invalid_input).
+/// The image covers the display window, or only the crop of a cropped file (write_image). Pixels outside the
+/// window are dropped. Pixels that the file does not store are black. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

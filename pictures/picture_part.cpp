@@ -25,7 +25,7 @@ constexpr const char* checksum_key = "checksum";
 constexpr const char* exposure_key = "exposure_stops";
 constexpr int most_side_px = 1 << 20;
 
-/// Returns a checksum of all values of an image, in the order in which the image stores them.
+/// Returns a checksum of all values of an image, in their order in memory.
 std::string checksum(const Image& image) {
     Checksum sum;
     const auto add = [&](const std::vector<float>& values) {
@@ -80,8 +80,7 @@ std::optional<PicturePart> read_picture_part(const std::filesystem::path& path) 
         out.place = {data.min.x, data.min.y, data.max.x - data.min.x + 1, data.max.y - data.min.y + 1};
         const auto pixels =
             static_cast<std::uint64_t>(out.place.width) * static_cast<std::uint64_t>(out.place.height);
-        // A file that contains a part of an image is not compressed, so it must be at least as large as its
-        // pixels.
+        // The file of a part of an image is not compressed, so it is at least as large as its pixels.
         if (header.compression() != Imf::NO_COMPRESSION ||
             pixels * 3 * sizeof(float) > std::filesystem::file_size(path))
             bad("it is too short for its pixels");

@@ -1,5 +1,5 @@
-// Parts of an image that are computed separately, for example on several machines. The joined image is
-// bit-identical to an image that is computed as a whole.
+// Parts of an image that are computed separately, for example on several machines. Joined, they equal an
+// undivided image bit by bit.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can later be
-/// joined with others. The file then contains exactly the image's values, including its exposure. `mark` is a
-/// JSON object of the caller. It is stored in the header, together with the exposure.
+/// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can be joined with
+/// others. The file contains exactly the values of the image. Its header contains the exposure and `mark`, a
+/// JSON object of the caller.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
@@ -22,11 +22,11 @@ struct PicturePart {
     std::string mark;  ///< the caller's JSON object, as given to `mark_as_part`
 };
 
-/// Reads a part of an image. Returns empty if the file was not marked by mark_as_part. Throws
-/// Error(invalid_input) if the file cannot be read, or if its pixels were changed after it was written.
+/// Reads a part of an image, or returns empty if mark_as_part did not mark it. Throws Error(invalid_input) if
+/// the file cannot be read, or its pixels were changed.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
-/// Header attribute of a file that contains some of the samples of every pixel of a render
+/// Header attribute of a file with some samples of every pixel of a render
 /// (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
@@ -34,8 +34,8 @@ inline constexpr const char* samples_part_attribute = "postlens:part";
 /// for any other OpenEXR file. Throws Error(invalid_input).
 [[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
 
-/// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input) if the
-/// channels of the part and of the image differ. `name` is the file name in the error message.
+/// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input), with the
+/// file name `name`, if the channels differ.
 void paste(const PicturePart& part, const std::string& name, Image& whole);
 
 }  // namespace postlens

@@ -1,12 +1,12 @@
-// The sRGB transfer curve, which converts between scene-linear values and the encoded values of 8-bit images.
-// Also the luminance of a colour with sRGB primaries.
+// The sRGB transfer curve, between scene-linear values and the encoded values of 8-bit images. Also the
+// luminance of a colour with sRGB primaries.
 #pragma once
 
 #include <cmath>
 
 namespace postlens {
 
-/// Converts a linear value to an sRGB value [iec61966-2-1]. The result is clamped to 0..1, and NaN becomes 0.
+/// Converts a linear value to an sRGB value [iec61966-2-1], clamped to 0..1. NaN becomes 0.
 [[nodiscard]] inline float srgb_from_linear(float v) {
     if (!(v > 0)) return 0;
     if (v >= 1) return 1;

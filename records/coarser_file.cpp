@@ -14,7 +14,7 @@ bool is_at(const Record& record, int x, int y) {
 }
 
 /// Computes row y of the coarser file, for columns x_begin to x_end - 1. Its pixel corner (x, y) is the
-/// corner (x * by, y * by) of `fine`, which must contain the row y * by.
+/// corner (x * by, y * by) of `fine`, which must contain that row.
 RecordBand wider_row(const RecordBand& fine, int y, int by, int x_begin, int x_end) {
     RecordBand out{.x_begin = x_begin, .x_end = x_end, .y_begin = y, .y_end = y + 1};
     for (int x = x_begin; x < x_end; ++x) {

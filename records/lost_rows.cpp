@@ -15,8 +15,8 @@ class PixelPlaces {
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// Returns true if the pixel has a sample at the position (u, v), measured from the upper-left corner of
-    /// the pixel in steps of 1 / position_steps px.
+    /// Returns true if the pixel has a sample at the position (u, v), in steps of 1 / position_steps px from
+    /// its upper left corner.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -30,9 +30,9 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends the x positions of the lower-left corners of all quadtree leaves (undivided cells) that touch the
-/// lower edge of a pixel. u is the left edge of the current cell, and `size` its width. A cell with a sample
-/// at its centre is subdivided, so the function calls itself for both of its lower cells.
+/// Appends the x positions of the lower left corners of all quadtree leaves (undivided cells) at the lower
+/// edge of a pixel. u is the left edge of the current cell, and `size` its width. A cell with a sample at its
+/// centre is subdivided.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -19,26 +19,25 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are records of rays that hit nothing. They lie at the upper-left corner of each pixel, and on its upper
-/// edge at the lower corners of the cells of the pixel above. `above` contains the row above. It is null if
-/// that row is lost or does not exist. `offsets` receives the index of each pixel's first record, as in
-/// RecordBand::offsets.
+/// are records of rays that hit nothing.
+/// They lie at the upper left corner of each pixel, and at corners of the cells of the pixel above. `above`
+/// contains that row, or is null if it is lost or does not exist. `offsets` receives the index of each
+/// pixel's first record, as in RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Returns a band that consists of the unreadable row y, with the records of stand_in_for_row.
+/// Returns a band of the unreadable row y, with the records of stand_in_for_row.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.
 [[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
 
-/// Groups the lost (unreadable) rows of an instant into runs of consecutive rows, and appends these runs to
-/// `runs`. `lost` has one flag per row, beginning with row y_begin.
+/// Groups the lost (unreadable) rows of an instant into runs of consecutive rows, and appends them to `runs`.
+/// `lost` has one flag per row, from row y_begin on.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 
-/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". Only the first runs of a long list are
-/// named.
+/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". A long list is cut short.
 [[nodiscard]] std::string rows_text(std::span<const LostRows> runs);
 
 }  // namespace postlens

@@ -11,8 +11,8 @@ namespace postlens {
 
 namespace {
 
-// Adds the records of hidden surfaces at the position of the sample. The pixel that contains this position
-// stores these records.
+// Adds the records of hidden surfaces at the position of the sample. They are in the pixel that contains this
+// position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -35,8 +35,8 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A sample may be a corner of leaves (undivided quadtree cells) in several pixels. The weight is the
-        // sum over the leaves in this pixel only.
+        // A sample may be a corner of leaves (undivided quadtree cells) in several pixels. Only leaves in
+        // this pixel count.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

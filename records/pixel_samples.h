@@ -8,24 +8,23 @@
 
 namespace postlens {
 
-/// A point sample (one eye ray) of a pixel, and its weight. The weights of all samples of a pixel add up to
-/// 1. `nodes` lists the surfaces that the ray and its reflections and refractions hit, beginning with the
-/// primary hit. Hidden surfaces are at the end.
+/// A point sample (one eye ray) of a pixel. The weights of all samples of a pixel add up to 1. `nodes` lists
+/// the surfaces that the ray and its reflections and refractions hit, the primary hit first, and then hidden
+/// surfaces.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;
     std::vector<Record> nodes;
 };
 
-/// Returns the samples that contribute to pixel (x, y), sorted by y, then by x. They lie at the four corners
-/// of the pixel and, if the pixel is subdivided, also on its sides and inside it. Throws
-/// Error(wrong_arguments) if the pixel is not recorded.
+/// Returns the samples that contribute to pixel (x, y), sorted by y, then by x. They lie at the corners of
+/// the pixel and, if it is subdivided, also on its sides and inside. Throws Error(wrong_arguments) if the
+/// pixel is not recorded.
 [[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y,
                                                      std::size_t instant = 0);
 
-/// Returns the depth z', in metres, of what the pinhole sees at a raster position. It is the depth of the
-/// nearest point sample of the pixel that contains the position, or infinity if the ray of that sample hit
-/// nothing.
+/// Returns the depth z', in metres, that the pinhole sees at a raster position: that of the nearest point
+/// sample in the same pixel. It is infinite if the sample's ray hit nothing.
 [[nodiscard]] double depth_at(const SampleFileReader& file, double x, double y);
 
 }  // namespace postlens

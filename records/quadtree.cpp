@@ -9,18 +9,18 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps of 1 / position_steps px. The smallest quadtree leaf (undivided cell) is one
-/// step wide.
+/// Width of a pixel in steps of 1 / position_steps px. A quadtree leaf (undivided cell) is at least one step
+/// wide.
 constexpr int pixel_steps = position_steps;
 
-/// Position within a pixel, in steps from its upper-left corner. The right and lower edges are at
+/// Position within a pixel, in steps from its upper left corner. The right and lower edges are at
 /// pixel_steps.
 struct Place {
     int u = 0, v = 0;
 };
 
 /// Calls leaf(position, size) for each leaf (undivided cell) of a quadtree cell, in the order up-left,
-/// up-right, down-left, down-right. A cell is subdivided if and only if there is a sample at its centre.
+/// up-right, down-left, down-right. A cell is subdivided if it has a sample at its centre.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -39,9 +39,8 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
          x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
 }
 
-/// Calls on_sample(first_record, count) for every point sample of layer 0 (what the pinhole sees) in pixel
-/// (x, y). The samples are sorted by y, then by x. Throws if the pixel has no sample at its upper-left
-/// corner.
+/// Calls on_sample(first_record, count) for every sample of layer 0 (what the pinhole sees) in pixel (x, y),
+/// sorted by y, then by x. Throws if the upper left corner has no sample.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -53,8 +52,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single sample. Records are sorted by position, so a pixel has only one sample if its
-    // first and its last record have the same position.
+    // Most pixels have a single sample. Then the first and the last record have the same position, because
+    // records are sorted by it.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -68,8 +67,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
     }
 }
 
-/// The point samples of one row of pixels. The samples of pixel x have the indices offsets[x - x_begin] to
-/// offsets[x - x_begin + 1] - 1.
+/// The point samples of one row of pixels. Those of pixel x are offsets[x - x_begin] to offsets[x - x_begin +
+/// 1] - 1.
 template <typename Sample>
 struct Row {
     Sample* samples = nullptr;
@@ -85,14 +84,14 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
     return found != end && found->x == x && found->y == y ? found : nullptr;
 }
 
-/// A table of a pixel's samples, indexed by their position within the pixel. A look-up in this table is much
-/// faster than a search in the list of samples.
+/// A table of a pixel's samples by their position. A look-up is much faster than a search in the list of
+/// samples.
 template <typename Sample>
 class PlacedSamples {
   public:
     /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
-    /// `above` contains the samples of row y, and `below` those of row y + 1. Returns false if the pixel is
-    /// subdivided more finely than the table.
+    /// `above` contains the samples of row y, `below` those of row y + 1. Returns false if the pixel is more
+    /// finely subdivided than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -100,8 +99,7 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // add() fails for samples of a neighbouring pixel that is subdivided more finely than the table.
-        // Pixel (x, y) does not need these samples, so failures are ignored.
+        // add() fails for samples of a more finely subdivided neighbour. Pixel (x, y) does not need them.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -126,7 +124,7 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// Stores a sample in the table. Returns false if its position is not one of those in the table.
+    /// Stores a sample in the table. Returns false if the table does not contain its position.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
@@ -141,9 +139,9 @@ class PlacedSamples {
     std::vector<std::size_t> used_;
 };
 
-/// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y), with the corners
-/// in the order up-left, up-right, down-left, down-right. `above` contains the samples of row y, and `below`
-/// those of row y + 1. A pixel with only one sample is a single leaf.
+/// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y). The corners are
+/// up-left, up-right, down-left, down-right. `above` contains the samples of row y, `below` those of row y +
+/// 1. A pixel with one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -204,8 +202,8 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Returns the samples of row y, with their colours, for pixels x_begin to x_end - 1. If `top_edge_only` is
-/// true, returns only the samples on the upper edge of the row.
+/// Returns the samples of row y, with their colours, for pixels x_begin to x_end - 1. With `top_edge_only`,
+/// returns only those on the row's upper edge.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -241,8 +239,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Leaves (quadtree cells) at the border may have corners outside the rows y_begin to y_end - 1. The
-    // samples at these corners complete the leaves, but their weights are not returned.
+    // Leaves (quadtree cells) at the border may have corners in rows outside y_begin to y_end - 1. These rows
+    // complete the leaves, but their weights are not returned.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -261,8 +259,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Of the four quadrants around corner c, the leaf lies in 3 - c:
-                                       // down-right (3) of its up-left corner (0).
+                                       // The leaf lies in quadrant 3 - c around its corner c: down-right (3)
+                                       // of its up-left corner (0).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

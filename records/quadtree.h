@@ -1,5 +1,5 @@
-// Rebuilds the quadtree of each pixel from the positions of the pixel's samples. The quadtree determines the
-// weights of the samples, and thus the pinhole image.
+// Rebuilds the quadtree of each pixel from the positions of its samples. The quadtree determines the weights
+// of the samples in the pinhole image.
 #pragma once
 
 #include <array>
@@ -13,29 +13,28 @@
 
 namespace postlens {
 
-/// A point sample, that is, one eye ray through the pinhole. Its records are adjacent and have the same
-/// position. They describe the surfaces that the ray and its reflections and refractions hit.
+/// A point sample: one eye ray through the pinhole. Its records are adjacent and have the same position. They
+/// are the surfaces that the ray and its reflections and refractions hit.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weight of the sample in each quadrant around its position: [0] up-left, [1] up-right, [2] down-left,
-    /// [3] down-right. A quadtree leaf (undivided cell) gives a quarter of its area to each of its corners,
-    /// so the weight of the sample in a pixel is the sum over the quadrants inside the pixel.
+    /// Weight of the sample in each quadrant around it: [0] up-left, [1] up-right, [2] down-left, [3]
+    /// down-right. A quadtree leaf (undivided cell) gives a quarter of its area to each corner. The quadrants
+    /// inside a pixel add up to the sample's weight in that pixel.
     std::array<float, 4> weight{};
     /// Edge length, in px, of the quadtree leaf in each quadrant, in the order of `weight`. It is 0 if no
-    /// leaf in the quadrant has a corner at the sample, because the quadrant is outside the raster, or
-    /// because the sample lies on an edge of a larger leaf.
+    /// leaf there has a corner at the sample: at the raster's border, or on the edge of a larger leaf.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. The samples are listed
-/// pixel by pixel, and sorted by y, then by x within a pixel.
+/// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. Samples are listed pixel
+/// by pixel, and sorted by y, then by x.
 ///
-/// Only leaves (undivided quadtree cells) in the pixel rows pixel_y_begin to pixel_y_end - 1 contribute to
-/// the weights. `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws
-/// Error(invalid_input) if a corner of a quadtree cell is missing.
+/// Only leaves (undivided quadtree cells) in pixel rows pixel_y_begin to pixel_y_end - 1 add to the weights.
+/// `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws
+/// Error(invalid_input) if a corner of a cell is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
@@ -43,8 +42,8 @@ struct PointSamples {
 void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixel_y_begin, int pixel_y_end,
                         PointSamples& out);
 
-/// A leaf (undivided cell) of a pixel's quadtree: a square, `size` px wide, with a point sample at each
-/// corner. `corner` lists the samples in the order up-left, up-right, down-left, down-right.
+/// A leaf (undivided cell) of a pixel's quadtree: a square with a point sample at each corner. `corner` lists
+/// the samples in the order up-left, up-right, down-left, down-right.
 struct Leaf {
     std::array<std::uint32_t, 4> corner{};  ///< indices into PointSamples::samples
     float size = 1;
@@ -64,10 +63,11 @@ struct PixelLeaves {
 };
 void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
 
-/// Computes row y of the pinhole image from the records, for columns x_begin to x_end - 1. The colour of a
-/// quadtree leaf (undivided cell) is the mean of its four corners, and the colour of a pixel is the mean of
-/// its leaves, weighted by area. Sums are computed in double precision and in a fixed order, so that results
-/// are bit-identical on all machines. `band` must contain rows y and y + 1.
+/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain rows y and y +
+/// 1.
+/// A quadtree leaf (undivided cell) has the mean colour of its four corners. A pixel has the mean colour of
+/// its leaves, weighted by area. Sums are in double precision and in a fixed order, so results are
+/// bit-identical on all machines.
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// The sample record, which describes one hit of an eye ray, or of its reflections and refractions, on a
-// surface.
+// The sample record. It describes one surface hit of an eye ray, or of its reflections and refractions.
 #pragma once
 
 #include <array>
@@ -11,8 +10,7 @@
 namespace postlens {
 
 /// The path from the eye to a node (a surface hit), as a sequence of reflections and transmissions. Each
-/// bounce takes two bits, beginning with the lowest. The path is 0 for the primary node, which the eye ray
-/// hits directly.
+/// bounce takes two bits, from the lowest on. The path of the primary hit is 0.
 class NodePath {
   public:
     enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
@@ -31,7 +29,7 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// Returns the kind of the last bounce, or `none` for the primary node, which the eye ray hits directly.
+    /// Returns the kind of the last bounce, or `none` for the primary hit.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -39,16 +37,15 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// Returns whether the path is valid. Each bounce has two bits. The value 3 is reserved, and 0 marks the
-    /// end of the path, so no bounce may follow it.
+    /// Returns true if the path is valid. Of the two bits of each bounce, the value 3 is reserved. 0 marks
+    /// the end of the path, so no bounce may follow.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
         }
         return true;
     }
-    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT". Returns
-    /// "primary" for an empty path.
+    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT", or "primary".
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;
@@ -69,19 +66,19 @@ struct Mat2 {
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Flags of a record. They warn that interpolation between this record and its neighbours may miss detail.
+/// Flags of a record: interpolation between this record and its neighbours may miss detail.
 struct RecordMark {
-    /// The texture of the surface varies between this sample and its neighbours, although the quadtree cells
-    /// are as small as allowed.
+    /// The texture of the surface varies between this sample and its neighbours, even though the quadtree
+    /// cells have their smallest allowed size.
     static constexpr std::uint8_t fine_texture = 1;
-    /// This sample and its neighbours show separate parts of one object, between which there may be a gap.
-    /// The flag is also set if a part of a mesh lies between the samples and none of them shows it.
+    /// This sample and its neighbours show separate parts of one object, with a possible gap between them. Or
+    /// a part of a mesh lies between the samples, which do not show it.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
 
-/// One node (surface hit) of the shading tree of an eye ray. r, g and b are the scene-linear radiance of the
-/// node times the throughput of its path. The radiance of the eye ray is therefore the sum over its nodes.
+/// One node (surface hit) of the shading tree of an eye ray. r, g and b are scene-linear radiance times the
+/// throughput of the path. So their sum over all nodes is the radiance of the eye ray.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
     float z = 0;         ///< z', path length along the optical axis, m; +infinity where nothing was hit
@@ -90,20 +87,20 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, in 1/m^2. W describes only to first order how the node's image moves when the lens point
-    /// moves. For a lens point at the distance R (in metres) from the centre of the lens, the image is
-    /// misplaced by about (film distance / pixel pitch) * w_bend * R^2 px.
+    /// Error of W, in 1/m^2. W is a linear approximation of how the node's image moves with the lens point.
+    /// At R metres from the centre of the lens, the image is misplaced by about (film distance / pixel pitch)
+    /// * w_bend * R^2 px.
     ///
-    /// The value is 0 if W is exact or if its error was not measured. It is infinite if other lens points do
-    /// not see the node along this path. Files store it as a half float.
+    /// 0 if W is exact or its error was not measured. Infinite if other lens points do not see the node along
+    /// this path. Files store it as a half float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;
 };
 
 /// The records of the pixels in rows y_begin to y_end - 1 and columns x_begin to x_end - 1. Pixel (x, y) has
-/// the index k = (y - y_begin) * width() + (x - x_begin). Its records are those from offsets[k] to
-/// offsets[k + 1] - 1. They are sorted by layer, then by y, x and path.
+/// the index k = (y - y_begin) * width() + (x - x_begin), and the records offsets[k] to offsets[k + 1] - 1.
+/// They are sorted by layer, then by y, x and path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

@@ -9,13 +9,12 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The last condition rejects positions for which the subtraction above was rounded.
+    // The last condition rejects positions for which the subtraction was rounded.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }
 
-/// The difference x - x is 0 if x is finite, and NaN otherwise. One comparison can thus test all three
-/// values.
+/// x - x is 0 if x is finite, and NaN otherwise. So one comparison tests all three values.
 bool all_finite(float a, float b, float c) {
     return (a - a) + (b - b) + (c - c) == 0;
 }

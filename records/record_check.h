@@ -1,5 +1,4 @@
-// Conditions that every record of a sample file must satisfy. They are checked when a file is written and
-// when it is read.
+// Conditions for every record of a sample file. They are checked when a file is written and when it is read.
 #pragma once
 
 #include <span>
@@ -19,8 +18,8 @@ struct RecordChannels {
 /// Positions within a pixel are multiples of 1 / position_steps px, which half floats represent exactly.
 inline constexpr int position_steps = 1024;
 
-/// Returns true if record a comes before record b in the order in which the records of a pixel are stored: by
-/// layer, then by y, x and path.
+/// Returns true if record a comes before record b in a pixel: records are sorted by layer, then by y, x and
+/// path.
 [[nodiscard]] bool canonical_before(const Record& a, const Record& b);
 
 /// Describes the first error in the records of pixel (x, y). Returns null if all of these conditions hold:

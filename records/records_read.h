@@ -1,5 +1,4 @@
-// Callbacks that receive records while a file is read, so that one pass over the file can serve several
-// purposes.
+// Callbacks that receive records while a file is read, so that one pass serves several purposes.
 #pragma once
 
 #include <functional>
@@ -11,18 +10,17 @@ namespace postlens {
 
 /// Functions that receive the records. A function that is empty is not called.
 struct RecordsRead {
-    /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
-    /// from top to bottom.
+    /// Receives rows y_begin to y_end - 1 of pixel corners in `band`. Each row is passed once, from top to
+    /// bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives rows y_begin to y_end - 1 of pixels, which `band` contains, and the leaves (undivided cells)
-    /// of their quadtrees (see find_leaves). Each row is passed once. Several threads may call this function
-    /// at the same time.
+    /// Receives rows y_begin to y_end - 1 of pixels in `band`, and the leaves (undivided cells) of their
+    /// quadtrees (find_leaves). Each row is passed once. Several threads may call it at the same time.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
 /// Passes rows y_begin to y_end - 1 to the callbacks, with the leaves (undivided cells) of their quadtrees.
-/// `band` must also contain row y_end, unless y_end - 1 is the last row of the file. The last row has only
-/// pixel corners, and no leaves. Throws the errors of find_leaves and of the callbacks.
+/// `band` must also contain row y_end, unless y_end - 1 is the last row of the file. That row has only pixel
+/// corners, no leaves. Throws the errors of find_leaves and of the callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Writes and reads sample files, one band of rows at a time. A sample file is an OpenEXR file with several
-// parts. docs/sample_file.md defines the format.
+// Writes and reads sample files by bands of rows. A sample file is an OpenEXR file with several parts.
+// docs/sample_file.md defines the format.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores it, so the records need not be read to get it.
+/// Summary of one scanline of records. The file stores it, so it can be read without the records.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
@@ -28,9 +28,9 @@ struct ScanlineFacts {
 };
 
 /// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
-/// for instant 0 (that of the pinhole image), then for each key (further recorded instant). The colours of
-/// the records must be radiance. SampleFileReader applies the exposure that the header states. The file
-/// appears at `path` only when finish() is called.
+/// for instant 0 (that of the pinhole image), then for each key (further recorded instant).
+/// The colours of the records must be radiance, because SampleFileReader applies the exposure of the header.
+/// The file appears at `path` when finish() is called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -41,13 +41,13 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records. The file has rows from -overscan to height + overscan, and columns
-    /// from -overscan to width + overscan. The pinhole image is computed from the rows of instant 0.
+    /// Writes the next rows of records. The file has rows -overscan to height + overscan, and columns
+    /// -overscan to width + overscan. The pinhole image is computed from instant 0.
     void write(const RecordBand& band);
-    /// Starts the next instant in the header's `key_times_s`, beginning with the top row. Throws
+    /// Starts the next instant in the header's `key_times_s`, from the top row on. Throws
     /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
     void next_instant();
-    /// Completes the file and moves it to its path. Returns the size of the file in bytes.
+    /// Completes the file and moves it to its path. Returns its size in bytes.
     std::uint64_t finish();
     /// Returns the pinhole image, which is part 0 of the file. It is complete after the last band.
     [[nodiscard]] const Image& picture() const;
@@ -57,8 +57,8 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the number of bytes that rows y_begin to y_end - 1 of a band occupy in a sample file. This
-/// includes their entries in the offset tables, but not the pinhole image.
+/// Returns the number of bytes that rows y_begin to y_end - 1 of a band occupy in a sample file. Includes
+/// their entries in the offset tables, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 
@@ -71,18 +71,16 @@ enum class Damage {
 /// Reads a sample file. Every function throws Error(invalid_input), with the name of the file, if the file is
 /// damaged or incomplete. Counts and windows are checked before memory is allocated.
 ///
-/// With Damage::salvage, all records are read and checked when the file is opened. Damaged or missing rows
-/// are replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is
-/// removed if all its rows are damaged. An error is thrown if the header is damaged, or if too many rows of
-/// instant 0 are damaged (least_whole_share).
+/// With Damage::salvage, all records are checked when the file is opened. Samples whose rays hit nothing
+/// replace damaged rows (stand_in_for_row). A key (further recorded instant) without undamaged rows is
+/// removed. A damaged header, or too many damaged rows of instant 0 (least_whole_share), are errors.
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in `least_whole_share` rows must be undamaged. Otherwise, a small
-    /// damaged file could claim an image of any size.
+    /// damaged file could claim a huge image.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Opens a file. When colours are read, they are multiplied by 2^exposure_stops. Without
-    /// `exposure_stops`, the exposure that the header states is applied.
+    /// Opens a file. Colours are multiplied by 2^exposure_stops. The default is the exposure in the header.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
@@ -94,11 +92,10 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image, and the others are
-    /// keys (further recorded instants).
+    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image, the others are keys.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
-    /// Returns one summary per scanline of records, beginning with the scanline at y = -overscan.
+    /// Returns one summary per scanline of records, from y = -overscan on.
     [[nodiscard]] std::span<const ScanlineFacts> scanlines(std::size_t instant = 0) const;
     /// Returns the number of records at all instants.
     [[nodiscard]] std::uint64_t record_count() const;
@@ -111,17 +108,16 @@ class SampleFileReader {
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order (canonical_before). Verifies the
-    /// checksum and the values of each row. Rows can be read in any order. Reuses the memory of `band`.
+    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order (canonical_before), and verifies
+    /// their checksums and values. Rows can be read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows that were replaced, by instant and from top to bottom. The list is empty
-    /// without Damage::salvage.
+    /// Returns the damaged rows that were replaced, by instant and from top to bottom. Empty without
+    /// Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
-    /// Returns the times of the keys (further recorded instants) that were removed because all their rows are
-    /// damaged.
+    /// Returns the times of the removed keys (further recorded instants), which had only damaged rows.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
     /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
-    /// Damage::salvage. The image can then be computed from the records instead.
+    /// Damage::salvage: the image can be computed from the records instead.
     [[nodiscard]] Image picture() const;
     /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

@@ -16,7 +16,7 @@ namespace postlens {
 enum class Projection { perspective, orthographic };
 
 /// The range of lens and shutter settings for which the trace recorded enough overscan (pixels outside the
-/// image) and hidden surfaces. A limit is absent if it was not given to the trace.
+/// image) and hidden surfaces. A limit that the trace did not have is absent.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
@@ -40,7 +40,7 @@ struct SampleHeader {
     std::optional<double> exposure_s;
     glm::dmat4 world_from_camera{1};  ///< in metres; the camera's x points right, y up, and it looks along -z
     double time_s = 0;                ///< instant of the trace and of the pinhole image
-    /// Further recorded instants, in ascending order and without `time_s`. There are at most `most_keys`.
+    /// Further recorded instants, in ascending order and without `time_s`. At most `most_keys`.
     std::vector<double> key_times_s;
 
     int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel

@@ -19,7 +19,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
 # For each scene, the focus distances in m, and the window in which images are compared: left, top, right, bottom, as
-# fractions of the frame's size. Within this window, no lens point sees past the silhouette of the object.
+# fractions of the frame. In this window, no lens point sees past the object's silhouette.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),

@@ -115,7 +115,7 @@ class Maker:
         if self.kind == "motion" and moves and self.chance(0.6):
             by = vector(*(self.between(-0.4, 0.4) for _ in range(3)))
             turn = f"rotate_degrees = {self.between(-40, 40):.4g}, rotate_axis = {vector(*self.direction())}"
-            # The rotation is about the origin of the scene, not the object's centre, so it also moves the object.
+            # The rotation is about the origin of the scene, not the object's centre. So it also moves the object.
             self.lines += [f"keys = [{{ time_s = 0 }}, {{ time_s = 1, translate_m = {by}"
                            + (f", {turn}" if self.chance(0.3) else "") + " }]"]
 

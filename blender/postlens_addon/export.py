@@ -11,10 +11,9 @@ from mathutils import Matrix
 from .passes import is_holdout, kept, layer_of
 from .rendered import rendered
 
-# Types of objects that Blender renders and that have no equivalent in glTF.
+# Types of objects that Blender renders, but glTF does not have.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# A matrix counts as free of shear if removing its shear changes its elements by at most this fraction of its largest
-# scale.
+# A matrix has no shear if removing the shear changes its elements by at most this fraction of its largest scale.
 SHEAR = 1e-5
 
 
@@ -35,8 +34,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material may belong to the mesh or to the object. The object's slots list both kinds, so the copied mesh
-            # gets the materials of these slots.
+            # A material may belong to the mesh or to the object. The slots of the object list both, so the copied mesh
+            # gets their materials.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -74,8 +73,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # One call removes the objects, meshes and the scene. Separate calls would each search the whole Blender file
-        # for users, and removing only the scene would need a window.
+        # One call removes the objects, meshes and the scene: each call searches the whole Blender file for users.
+        # Removing only the scene would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
@@ -97,7 +96,7 @@ def rename_nodes(path, names):
 def export(scene, camera, path):
     """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
     content that postlens traces differently from Blender."""
-    # The context has no window if a script has just opened a file. The first window is used then.
+    # The context has no window if a script has just opened a file. Then the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
     # A 3D view with a local camera switches to the scene's camera when its window shows another scene. These cameras
     # are restored afterwards.

@@ -13,8 +13,8 @@ IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
 # Interval, in seconds, at which an operator in a window continues its work.
 TICK_S = 0.05
-# Events that only move the view. They are passed on to Blender during a run. Most other events are blocked, because a
-# run temporarily changes the scene.
+# Events that only move the view. Blender receives them during a run. Most others are blocked, because a run temporarily
+# changes the scene.
 LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
            "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
 # Height of Blender's status bar, in px, at a resolution scale of 1.
@@ -69,7 +69,7 @@ def show(path, can_open=False):
 
     If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # This property distinguishes the image of the add-on from a user's image of the same name.
+    # This property distinguishes the add-on's image from a user's image of the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
@@ -90,7 +90,7 @@ def line_of(error):
     """The message of a failure, as one line."""
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
-    # The message of a failed Blender operator ends with the location in Blender's code, which is left out.
+    # The message of a failed Blender operator ends with a location in Blender's code, which is left out.
     lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
     return next((s for s in reversed(lines) if s and not s.startswith("Location: ")), type(error).__name__)
 
@@ -142,8 +142,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a window: the window of an earlier image would receive the Esc key, which
-            # should stop this operator.
+            # Only the last image may open a window. An earlier window would receive the Esc key, which should stop this
+            # operator.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True
@@ -204,7 +204,7 @@ class Pictures:
         finally:
             if not more:
                 self.finish()
-        # A timer event is passed on, because it may be that of another operator.
+        # A timer event is passed on, because it may belong to another operator.
         return {"PASS_THROUGH" if more else "FINISHED"}
 
     def finish(self):

@@ -12,10 +12,10 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light that the lens
-# spreads into the frame from beyond the margin is estimated from pixels within it.
+# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Pixels within it also
+# serve to estimate light from beyond the margin.
 WIDEST_MARGIN = 0.25
-# Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
+# Smallest radius of a circle of confusion, in px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
 
 
@@ -37,8 +37,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again, which would overwrite the values that are set in the body of the `with`
-    # statement. The animation of these properties is therefore muted.
+    # A render evaluates the animation again, which would overwrite the values set by the body of the `with` statement.
+    # So the animation of these properties is muted.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -109,8 +109,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # A change of the file format changes the name of the colour space, so this name is restored, too, unless it is
-        # empty.
+        # Changing the file format changes the name of the colour space. So a nonempty name is restored, too.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -119,8 +118,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin changes that
-        # side, so the shift is converted to a fraction of the width.
+        # Blender measures the shift of a camera in larger sides of the frame, which the margin may change. So the shift
+        # is converted to widths.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -136,7 +135,7 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # The output settings of the scene may state another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # If this setting were True, Blender would render only the layer that the window shows.
+        # If this were True, Blender would render only the layer in the window.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer

@@ -12,9 +12,9 @@ from . import camera as cameras
 from . import command, export, passes
 from .rendered import rendered
 
-# Fraction of a frame's progress bar for each of the frame's two renders.
+# Fraction of a frame's progress bar for each of its two renders.
 RENDER_SHARE = 0.4
-# Longest time, in seconds, for which `survey` works before it lets Blender's window respond.
+# Longest time, in seconds, for which `survey` works before Blender's window can respond.
 SURVEY_S = 0.1
 
 
@@ -36,7 +36,7 @@ class Job:
     # True if Blender renders in a thread of its own, so that its window stays responsive.
     in_window: bool = False
     progress: object = lambda share, text: None
-    # The text of each warning, and the first frame that caused it, or None if it concerns the whole scene.
+    # The text of each warning, with the first frame that caused it, or None for the whole scene.
     warnings: dict = field(default_factory=dict)
 
     def path(self, name, frame, ending=".exr"):
@@ -49,8 +49,8 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # The program interprets # and % in a path as placeholders for frame numbers. The folder's path may contain
-        # these characters, so the program runs in the folder and gets only file names.
+        # The program interprets # and % in a path as placeholders for frame numbers. So it runs in the folder, whose
+        # path may contain them, and gets only file names.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

@@ -7,8 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of the render slot that `rendered` uses. Its renders produce empty images, which must not replace the user's last
-# render in Blender's current slot.
+# Name of the render slot of `rendered`. Its empty images must not replace the user's last render in Blender's current
+# slot.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

@@ -93,8 +93,9 @@ enum class AttributeSizes {
 };
 
 /// Reads the headers of at most `most_parts` parts. If the file has more parts, ExrHeaders::end (the position
-/// behind the headers) is not set. Throws Error(invalid_input) if the file is not an OpenEXR 2 file, if its
-/// headers exceed 64 MB, or if a part has more than 1000 attributes.
+/// after the headers) is not set.
+/// Throws Error(invalid_input) if the file is not OpenEXR 2, its headers exceed 64 MB, or a part has more
+/// than 1000 attributes.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
                                           AttributeSizes sizes = AttributeSizes::any);
 

@@ -19,8 +19,8 @@ namespace postlens {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 18U;
-/// Version field of an OpenEXR file: version 2. The flags 0x1000 (multi-part) and 0x800 (deep data) are added
-/// if the file has several parts.
+/// Version field of an OpenEXR file: version 2. A file with several parts has the flags 0x1000 (multi-part)
+/// and 0x800 (deep data).
 constexpr std::uint32_t one_part_version = 2U, parts_version = 2U | 0x800U | 0x1000U;
 
 template <typename... T>

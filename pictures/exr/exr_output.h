@@ -1,7 +1,5 @@
-// Writes an OpenEXR file chunk by chunk. The OpenEXR library writes only the headers.
-//
-// Writing pixels through the library would be slower: for deep data, it needs one pointer per pixel and
-// channel, and for uncompressed flat images, it waits for another thread after each row.
+// Writes an OpenEXR file chunk by chunk. The OpenEXR library writes only the headers, because it writes
+// pixels more slowly.
 #pragma once
 
 #include <OpenEXR/ImfForward.h>
@@ -18,13 +16,12 @@ namespace postlens {
 
 class ExrOutput {
   public:
-    /// Overwrites the file `path` and writes the headers. `chunks[i]` is the number of chunks of part i. A
-    /// file with a single part must be a flat scanline image. `shown_name` is the file name in error
-    /// messages.
-    ///
-    /// `chunk_bytes` is the size of a chunk if all chunks have the same size. The table of chunk positions is
-    /// then written first, so the file is written from front to back. All functions of this class throw
+    /// Overwrites the file `path` and writes the headers. All functions of this class throw
     /// Error(cannot_write).
+    /// `shown_name`: file name in error messages
+    /// `headers`: one per part; a single part must be a flat scanline image
+    /// `chunks`: number of chunks of each part
+    /// `chunk_bytes`: size of every chunk, if all have the same; the file is then written from front to back
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);
@@ -38,11 +35,10 @@ class ExrOutput {
     void write_flat_chunk(int part, int y, ByteView data);
     /// Writes the next chunk of a deep part. y is the first scanline of the chunk.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions into the place reserved for it and closes the file. Returns the
-    /// size of the file in bytes.
+    /// Writes the table of chunk positions into its reserved space, and closes the file. Returns the size of
+    /// the file in bytes.
     std::uint64_t finish();
-    /// Returns the XXH3 hash of the file after finish(). Returns empty if the file was not written from front
-    /// to back.
+    /// Returns the XXH3 hash of the finished file, or empty if it was not written from front to back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:

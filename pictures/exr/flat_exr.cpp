@@ -22,8 +22,7 @@ Imf::Header header_of(const FlatExr& picture) {
         return Imath::Box2i(Imath::V2i(w.x_min, w.y_min), Imath::V2i(w.x_max, w.y_max));
     };
     Imf::Header out(box(picture.display), box(picture.data));
-    // Imf::Compression and ChunkCompression use the same numbers (those of the file format), so a cast is
-    // enough.
+    // A cast is enough, because both enumerations have the numbers of the file format.
     out.compression() = static_cast<Imf::Compression>(picture.compression);
     for (const auto& [name, text] : picture.texts) out.insert(name.c_str(), Imf::StringAttribute(text));
     for (const FlatExr::Channel& c : picture.channels)
@@ -31,8 +30,8 @@ Imf::Header header_of(const FlatExr& picture) {
     return out;
 }
 
-/// Copies the values of one channel in a row of pixels to consecutive positions. In the source, the values
-/// are `step` bytes apart.
+/// Copies the values of one channel in a row of pixels to consecutive positions. In the source, they are
+/// `step` bytes apart.
 template <std::size_t value_bytes>
 void gather(const std::uint8_t* from, std::size_t step, std::size_t count, std::uint8_t* to) {
     for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * value_bytes, from + i * step, value_bytes);

@@ -15,8 +15,8 @@
 namespace postlens {
 
 struct FlatExr {
-    /// A channel's pixel (0, 0) is at `first`. The next pixel is `pixel_bytes` further on, and the next row
-    /// is `row_bytes` further on.
+    /// `first` is the channel's value at pixel (0, 0). The next pixel is `pixel_bytes` away, and the next row
+    /// `row_bytes`.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
@@ -35,8 +35,8 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
-/// Overwrites the file `path`. `shown_name` is the file name in error messages. Returns the XXH3 hash of the
-/// file if the file is not compressed. Throws Error(cannot_write), for example if the disk is full.
+/// Overwrites the file `path`. Returns the XXH3 hash of an uncompressed file. `shown_name` is the file name
+/// in error messages. Throws Error(cannot_write), for example if the disk is full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

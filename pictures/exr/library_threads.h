@@ -3,9 +3,9 @@
 
 namespace postlens {
 
-/// Starts the thread pool of the OpenEXR library, which all files share, unless it is already running.
-/// Returns the number of threads. Without this pool, the library uses only the calling thread. A child
-/// process (after fork without exec) does not have the threads and must not use them to read files.
+/// Starts the OpenEXR library's thread pool, which all files share, if it is not running. Returns the number
+/// of threads. Without this pool, the library uses only the calling thread.
+/// A forked child process has no such threads, and must not read files with them.
 int exr_library_threads();
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Determines the view and the layer of the channels in another program's OpenEXR file, from the words in the
-// names of channels and parts.
+// Finds the view and the layer of channels in another program's OpenEXR file, by the words in the names of
+// channels and parts.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lower-case words that name a pass (such as depth). They do not belong to the name of a layer.
+/// Lower-case words that name a pass (such as depth), and so do not belong to the name of a layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -37,9 +37,9 @@ inline constexpr std::string_view vector_words[]{"vector",        "vectors",    
 
 /// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
 ///
-/// Programs order the words in names differently: a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
-/// in a part depth_LAYER. The layer is therefore the set of words in the names of the part and the channel.
-/// The channel's last word (Z) and words for the pass (depth), the view or colours are left out.
+/// Programs order the words in names differently: LAYER.depth.Z, depth.LAYER.Z, or Z in a part depth_LAYER.
+/// So a layer is a set of words from the names of the part and the channel. It lacks the channel's last word
+/// (Z), and words for the pass (depth), the view or colours.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -47,13 +47,12 @@ struct ChannelGroup {
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// Returns the view and layer of those channels of a part whose names begin with `prefix`. The prefix
-/// includes its final dot. It is empty for channels without a layer.
+/// Returns the view and layer of those channels of a part whose names begin with `prefix`. The prefix ends
+/// with a dot, or is empty for channels without a layer.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 
-/// Splits a name into words in lower case. Every character that is neither a letter nor a digit separates
-/// words.
+/// Splits a name into words in lower case, at all characters except letters and digits.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view name);
 
 /// A channel that may belong to the selected colours.
@@ -68,14 +67,13 @@ struct GroupMatch {
     bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
 
-/// Returns true if the words of a name show that its channel is a component of a normal, a position or a
-/// motion.
+/// Returns true if a name belongs to a component of a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
 /// Returns true if a word is one of the words of a pass.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
-/// Returns the channel as a candidate for the depth if its name is that of a depth, and otherwise empty.
+/// Returns the channel as a candidate for the depth, or empty if its name is not that of a depth.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 

@@ -13,8 +13,7 @@ namespace postlens {
 
 using ChannelNames = std::vector<std::string>;
 
-/// Returns the first name in `names` that is the name of a channel of the part, or an empty text if there is
-/// none.
+/// Returns the first of `names` that is a channel of the part, or an empty text.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
 /// Splits a name after its last dot: "left.depth.Z" becomes "left.depth." and "Z".

@@ -19,8 +19,7 @@ namespace postlens {
 namespace {
 
 /// Largest number of channel groups (NAME00, NAME01, ...) that are read from a Cryptomatte. Each group
-/// describes two surfaces per pixel. Surfaces beyond these 32 cover too little of a pixel to improve its
-/// edges.
+/// describes two surfaces per pixel. Surfaces beyond these 32 cover too little of a pixel to matter.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -29,8 +28,7 @@ constexpr std::size_t longest_shown = 80;
 /// Largest length of a channel name in OpenEXR.
 constexpr std::size_t longest_name = 255;
 
-/// Prepares a name from a file for an error message. Limits the length of the name and replaces its control
-/// characters.
+/// Prepares a name from a file for an error message: limits its length and replaces control characters.
 std::string shown(const std::string& name) {
     std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
     std::replace_if(
@@ -39,8 +37,8 @@ std::string shown(const std::string& name) {
 }
 
 /// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. The part
-/// must be flat. If the user gave a separate file for ids, the part must be in that file. Otherwise it must
-/// show the same stereo view as the colours.
+/// must be flat, and in the separate file for ids, if there is one. Otherwise, it must show the same stereo
+/// view as the colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -48,7 +46,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a part of the OpenEXR file that has the channel. The part with the colours is searched first.
+/// Finds a part that has the channel. The part with the colours is searched first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -91,7 +89,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
 }
 
 /// Finds Cryptomattes by their channels, for files without metadata. A channel NAME00.R belongs to the
-/// Cryptomatte NAME if its name contains Crypto or crypto.
+/// Cryptomatte NAME if NAME contains Crypto or crypto.
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -107,8 +105,8 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Returns the sort key of a Cryptomatte with this name: mattes of objects come first, then those of assets
-/// (groups of objects), then all others.
+/// Returns the sort key of a Cryptomatte with this name: 0 for objects, 1 for assets (groups of objects), 2
+/// for others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
@@ -131,8 +129,7 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Finds the end of the name that begins at `begin` in a manifest written by Cycles. Returns npos if no id
-/// follows the name.
+/// Finds the end of the name that begins at `begin` in a manifest of Cycles. Returns npos if no id follows.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -144,8 +141,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a manifest in which quotation marks and backslashes in names are not escaped. The end of a name is
-/// recognised by the id that follows. Returns empty if the text is not such a manifest.
+/// Reads a manifest whose names contain quotation marks and backslashes that are not escaped. A name ends
+/// where an id follows. Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -168,9 +165,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. The
-/// JSON is then invalid, or is read as other names, whose hashes differ from the ids in the manifest. This
-/// function escapes the names in such manifests. It returns all others unchanged.
+/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names, so this
+/// function escapes them. Such a manifest may also be valid JSON, but then the hashes of the names are not
+/// the ids.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();
@@ -183,8 +180,8 @@ std::string as_json(std::string manifest) {
 /// Largest size of a manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Returns the text of a manifest that is stored in its own file. The file must be in the folder of the
-/// image, because Cryptomatte allows no other folder. Returns empty if the file cannot be read.
+/// Returns the text of a manifest in a separate file, or empty if it cannot be read. Cryptomatte requires
+/// that the file is in the folder of the image.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";
@@ -266,8 +263,8 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest) {
-    // The parser reports errors without exceptions (`false`). It is not recursive, so deeply nested JSON does
-    // not overflow the call stack.
+    // The parser reports errors without exceptions (`false`). It is not recursive, so deeply nested JSON is
+    // no danger.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<ManifestObject> objects;
@@ -309,8 +306,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // An exponent of 0 or 255 makes the float zero, denormal, infinite or NaN. Compositors may change the
-    // bits of such floats, so the lowest bit of the exponent is flipped.
+    // Exponents of 0 and 255 stand for zero, denormal, infinite and NaN. Compositors may change the bits of
+    // such floats, so the lowest bit of the exponent is flipped.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// One rank of a Cryptomatte describes one of the surfaces that a pixel shows. Its two channels contain the
-/// surface's id, stored as the bits of a float, and the fraction of the pixel that the surface covers.
+/// One rank of a Cryptomatte describes one of the surfaces in a pixel. One channel holds the surface's id as
+/// the bits of a float, the other the fraction of the pixel that it covers.
 struct MatteRank {
     std::size_t part = 0;
     std::string id, coverage;
@@ -40,8 +40,7 @@ struct Cryptomattes {
 /// Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
-/// Returns the view and layer to which a Cryptomatte belongs, from its name and from the name of the part
-/// with its first channels.
+/// Returns the view and layer of a Cryptomatte, from its name and the part of its first channels.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.
@@ -51,13 +50,13 @@ struct ManifestObject {
 };
 
 /// Returns the objects in a manifest, sorted by name. Returns empty unless the manifest is a JSON object
-/// whose values have up to eight hexadecimal digits.
+/// whose values are hexadecimal numbers of up to eight digits.
 [[nodiscard]] std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest);
 /// Returns the names of the objects that `manifest_objects` returns.
 [[nodiscard]] std::optional<std::vector<std::string>> manifest_names(const std::string& manifest);
 
 /// Returns the id of a name according to the specification: MurmurHash3 (x86, 32 bits, seed 0). If the hash
-/// is zero, denormal, infinite or NaN when read as a float, the lowest bit of its exponent is flipped.
+/// is zero, denormal, infinite or NaN as a float, the lowest bit of its exponent is flipped.
 [[nodiscard]] std::uint32_t cryptomatte_id(std::string_view name);
 
 }  // namespace postlens

@@ -60,7 +60,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // If no surface lies inside a volume and no volumes overlap, the samples stay unchanged.
+    // If no surface or other volume lies inside a volume, the samples stay unchanged.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

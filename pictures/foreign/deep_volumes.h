@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// A decoded sample of a deep pixel. It is a surface if its front and back depths are equal, and otherwise a
+/// A decoded sample of a deep pixel. It is a surface if its front and back depths are equal, or else a
 /// volume. Colours are premultiplied by alpha.
 struct DeepSample {
     float z = 0, z_back = 0;

@@ -6,7 +6,7 @@ namespace postlens {
 /// Encoding of a depth channel, where v is the value in the file and z the distance in the file's unit:
 ///   distance    z = v
 ///   inverse     z = 1 / v
-///   normalized  z = at_0 + v (at_1 - at_0): at_0 is the distance of v = 0, at_1 that of v = 1
+///   normalized  z = at_0 + v (at_1 - at_0)
 struct DepthEncoding {
     enum class Kind { distance, inverse, normalized };
     Kind kind = Kind::distance;

@@ -15,8 +15,8 @@ namespace {
 constexpr double same = 0.05;
 /// Smallest step in depth that counts as an edge, as a fraction of the nearer depth.
 constexpr double least_step = 0.1;
-/// Largest difference between neighbouring pixels on one side of a depth edge, as a fraction of the step at
-/// the edge. Depths must be nearly constant there.
+/// Depths must be nearly constant on both sides of an edge. This is the largest difference between
+/// neighbouring pixels there, as a fraction of the edge's step.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp
-    /// extends over several pixels. `mixed` lists the edge pixels whose depth is a mean of two depths.
+    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, a ramp extends
+    /// over several. `mixed` lists the pixels whose depth is a mean of two depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,9 +107,8 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// Returns true if neighbouring pixels of depths a and b, beside an edge, can belong to one surface.
-    /// `step` is the change of depth at the edge. a == b is tested because the difference of two infinite
-    /// depths is NaN.
+    /// Returns true if neighbouring pixels of depths a and b, beside an edge of height `step`, can belong to
+    /// one surface. a == b covers infinite depths, whose difference is NaN.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -128,8 +127,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels `begin` and `end`, at the ends of the edge, may be slightly mixed. The depths of
-                // both surfaces are therefore extrapolated from pixels outside the edge.
+                // The pixels `begin` and `end` may be slightly mixed. So the depths of both surfaces are
+                // extrapolated from pixels outside the edge.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -152,7 +151,7 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // The depth must change noticeably at both ends of the ramp. Otherwise the pixel at that end belongs
+        // The depth must change noticeably at both ends of the ramp. Otherwise the last pixel there belongs
         // to the surface beside the ramp.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
@@ -175,9 +174,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel can be found twice, in its row and in its column. The result with the larger step (near -
-        // far) is kept: a row or column along an edge may contain only mixed depths, which differ less than
-        // the surfaces do.
+        // A pixel may be found in its row and in its column. The result with the larger step (near - far) is
+        // kept, because a row along an edge may contain only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -192,9 +190,8 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Repairs pixels at silhouettes in front of empty space. The filter has made their depth infinite,
-    /// because it is the mean of a finite and an infinite depth. These pixels get the depth of the nearest
-    /// opaque surface within 2 px.
+    /// Repairs pixels at silhouettes in front of empty space, whose depth the filter has made infinite. They
+    /// get the depth of the nearest opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

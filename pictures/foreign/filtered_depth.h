@@ -1,5 +1,5 @@
-// Repairs depth channels that were filtered like colours. At silhouettes, such a filter scales depths by the
-// pixel's coverage, or mixes near and far depths.
+// Repairs depth channels that were filtered like colours. At silhouettes, such a filter mixes near and far
+// depths, or scales depths by the pixel's coverage.
 #pragma once
 
 #include <cstddef>

@@ -36,7 +36,7 @@ glm::dmat4 transposed(const Matrix44& m) {
     return out;
 }
 
-/// Returns the matrix that projects points in camera space to NDC, for column vectors. glm stores elements as
+/// Returns the matrix that projects column vectors from camera space to NDC. glm stores elements as
 /// projection[column][row]. Returns empty if the matrices cannot be used.
 std::optional<glm::dmat4> projection_of(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
     const glm::dmat4 camera = transposed(world_to_camera);
@@ -45,8 +45,7 @@ std::optional<glm::dmat4> projection_of(const Matrix44& world_to_camera, const M
     return usable(std::abs(out[0][0])) ? std::optional(out) : std::nullopt;
 }
 
-/// Returns whether the depth of a point does not change its homogeneous coordinate w, as in a parallel
-/// projection.
+/// Returns true if depth does not affect the homogeneous coordinate w, as in a parallel projection.
 bool is_parallel(const glm::dmat4& projection) {
     return !(std::abs(projection[2][3]) > 1e-9);
 }
@@ -62,8 +61,7 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part, std::ve
                 "(--film-distance)");
         }
     }
-    // The OpenEXR library writes a screenWindowWidth of 1 by default, so a width of 1 means that it is not
-    // known.
+    // The OpenEXR library writes a screenWindowWidth of 1 by default, so 1 means unknown.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;
@@ -75,8 +73,8 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // If NDC runs from 0 to 1, the centre of the image is at x = 0.5, and the projection adds 0.5 w to x. If
-    // NDC runs from -1 to 1, it adds nothing.
+    // If NDC runs from 0 to 1, the projection adds 0.5 w to x, to move the centre to 0.5. If NDC runs from -1
+    // to 1, it adds nothing.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;
@@ -115,7 +113,7 @@ ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const Fo
         out.film_distance_from_focal_length = true;
         assume("the film's distance", out.film_distance_mm, " mm", "--film-distance");
     }
-    // The centre is stated in the unit of screenWindowWidth, whatever that is. y points upwards.
+    // screenWindowCenter has the unit of screenWindowWidth, whatever that is. y points upwards.
     const auto centre = file.pair(part, "screenWindowCenter");
     const auto window = attribute(file, part, "screenWindowWidth");
     if (centre && window) {

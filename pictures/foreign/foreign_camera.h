@@ -1,5 +1,4 @@
-// Camera parameters of another program's image. They are given by the user, read from attributes of the file,
-// or assumed.
+// Camera parameters of another program's image: given by the user, read from the file, or assumed.
 #pragma once
 
 #include <optional>
@@ -15,12 +14,12 @@ enum class DepthAlong {
     ray,   ///< Z is the distance from the camera's centre
 };
 
-/// Settings from the user. A value that is absent is read from the file's attributes or assumed.
+/// Settings from the user. An absent value is read from the file's attributes or assumed.
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
-    /// Number of pixels by which the display window extends beyond the frame on every side. `film_width_mm`
-    /// is the film width of the frame alone, without this overscan.
+    /// Pixels of the display window outside the frame, on every side. `film_width_mm` is the film width of
+    /// the frame alone.
     int overscan_px = 0;
 };
 
@@ -30,26 +29,26 @@ struct ForeignCamera {
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// Position of the centre of the display window relative to the optical axis, to the right and down, on a
-    /// film at a distance of 1. It differs from 0 if the lens is shifted.
+    /// Offset of the centre of the display window from the optical axis, to the right and down, on a film at
+    /// distance 1. It is nonzero if the lens is shifted.
     double centre_x = 0, centre_y = 0;
-    /// True if neither the file nor the user states the film distance. The film distance is then the focal
-    /// length that the user states, or the default.
+    /// True if neither the file nor the user states the film distance. It is then the user's focal length, or
+    /// the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
-    /// One text for each value that is assumed because neither the file nor the user states it.
+    /// Describes each value that is assumed because neither the file nor the user states it.
     std::vector<std::string> assumed;
 };
 
-/// Determines the camera. docs/inputs.md lists the sources of each value in order of priority. Throws
-/// Error(wrong_arguments) if a value in `choice` is not positive and finite. Ignores attributes with such
-/// values.
+/// Determines the camera. docs/inputs.md lists the sources of each value. Throws Error(wrong_arguments) if a
+/// value in `choice` is not positive and finite. Ignores attributes with such values.
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
 /// Returns the tangent of half the horizontal angle of view, computed from OpenEXR's worldToCamera and
-/// worldToNDC. Returns empty if these matrices are not a perspective projection. NDC (normalised device
-/// coordinates) may run from 0 to 1 across the image, as OpenEXR specifies, or from -1 to 1.
+/// worldToNDC. Returns empty if they are not a perspective projection.
+/// NDC (normalised device coordinates) may run from 0 to 1 across the image, as OpenEXR specifies, or from -1
+/// to 1.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels whose names fit a pass, such as depth or ids. The callback `add(part, name, out)`
-/// appends a channel to `out` if its name fits.
+/// Lists the channels whose names fit a pass, such as depth or ids. `add(part, name, out)` appends a channel
+/// to `out` if its name fits.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A lower-case "a" is the alpha channel only if the colours are also in lower case.
+        // A lower-case "a" is the alpha channel only if the colours are in lower case, too.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -71,7 +71,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // An alpha channel of another layer is never used, because it could make opaque pixels transparent.
+        // An alpha channel of another layer is never used: it could make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -113,7 +113,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the ids to use, problems of other id channels are not reported.
+        // If the user names the ids to use, problems of other id channels do not matter.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -147,9 +147,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part that has a channel of exactly this name. The part with the colours is searched first,
-    /// then parts of the same stereo view, then all other parts. If there is a separate file for the pass
-    /// `use`, only that file is searched.
+    /// Finds a part that has a channel of exactly this name. The order of search is: the part with the
+    /// colours, parts of the same stereo view, all other parts. A separate file for the pass `use` replaces
+    /// them all.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -186,8 +186,8 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // If no channel of the separate depth file is named like a depth, its only channel is accepted, or
-        // else R, Y or V, because some programs write a depth image as grey RGB.
+        // In a separate depth file, the only channel is accepted under any name. So are R, Y and V, because
+        // some programs write a depth image as grey RGB.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers candidates in the same part as the colours. The part of a Cryptomatte does
-            // not matter, so the part of the colours is entered for all.
+            // match_group prefers candidates in the part of the colours. For Cryptomattes, the part does not
+            // matter, so all get this part.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -35,8 +35,8 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
 /// Priority of a layer whose channels hold data, not colours.
 constexpr int data_rank = 4;
 
-/// Returns true if the name of the layer, or of its part, says that the channels hold data (such as normals)
-/// instead of colours. The part's name counts only if the file has several parts.
+/// Returns true if the name of the layer, or of its part, says that the channels are data (such as normals),
+/// not colours. The part's name counts only if there are several parts.
 bool holds_data(const ForeignFile& file, std::size_t part, const std::string& layer) {
     const bool only = std::count_if(file.parts().begin(), file.parts().end(),
                                     [](const ForeignPart& p) { return p.use == PartUse::picture; }) == 1;
@@ -75,8 +75,8 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Colours and depth belong together if three properties agree: the part (only for deep images), the stereo
-/// view, and the words of the layer's name.
+/// Colours and depth belong together if these agree: the part (only for deep images), the stereo view, and
+/// the words of the layer's name.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
@@ -96,8 +96,8 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Returns the part and the layer that match the requested name `asked` best, among the layers that
-/// `layers_of` lists. Returns empty if none matches.
+/// Returns the part and the layer that match the requested name `asked` best, or empty. `layers_of` lists the
+/// layers of a part.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -111,12 +111,12 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If the channel names state the stereo views, the view listed first in the attribute `multiView`
-            // is preferred.
+            // If the channel names state stereo views, the first view in the attribute `multiView` is
+            // preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001. The layer
-            // with the fewest words is preferred.
+            // with the fewest words wins.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

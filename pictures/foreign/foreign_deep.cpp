@@ -14,8 +14,8 @@ using namespace foreign;
 
 namespace {
 
-/// A band of rows of a deep part, in the memory layout that the OpenEXR library requires: a sample count for
-/// each pixel, and a pointer for each pixel and channel.
+/// A band of rows of a deep part, in the layout of the OpenEXR library: a sample count for each pixel, and a
+/// pointer for each pixel and channel.
 class DeepBand {
   public:
     DeepBand(const ForeignPart& part, const Imf::Header& h, std::span<const std::string> channels,
@@ -94,9 +94,8 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// Checks the sizes that deep chunks state, because the OpenEXR library allocates that much memory before it
-/// reads a chunk. Querying a size moves the library's read position, so the check opens the file a second
-/// time.
+/// Checks the sizes that deep chunks state, because the OpenEXR library allocates that much memory. Querying
+/// a size moves the library's read position, so the file is opened a second time.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

@@ -19,8 +19,7 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor that converts the file's inverse depth of this pixel to 1/z, with z along the optical
-/// axis in m.
+/// Returns the factor from the file's inverse depth of this pixel to 1/z, with z along the optical axis in m.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
@@ -35,9 +34,8 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     return static_cast<float>(std::sqrt(1 + u * u + v * v) / camera.metres_per_unit);
 }
 
-/// Finds edge pixels in which an opaque object covers part of the sky. The sky has a colour but an alpha of
-/// 0, so the pixel's alpha is the fraction that the object covers. Returns the fractions of object and sky
-/// for each such pixel.
+/// Finds pixels in which an opaque object covers part of the sky, and returns the fractions of both. The sky
+/// has a colour but an alpha of 0, so the pixel's alpha is the object's fraction.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

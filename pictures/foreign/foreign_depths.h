@@ -22,7 +22,7 @@ class ForeignDepths {
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or `nothing_z` and more means
+    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or at least `nothing_z` means
     /// that nothing was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
@@ -33,13 +33,12 @@ class ForeignDepths {
     /// for pixel (x, y).
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Repairs depths that were filtered like colours and are wrong at edges (mend_filtered_depths), then
-    /// sets the depths of the samples of a flat image. Per pixel, `depths` has the stored depth, and
-    /// `covered` the alpha.
+    /// Repairs depths that were filtered like colours (mend_filtered_depths), then sets the depths of the
+    /// samples of a flat image. `depths` holds the stored depth of each pixel, `covered` its alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to
-    /// far. Throws Error(invalid_input) if some depths are negative and others are positive.
+    /// far. Throws Error(invalid_input) if only some depths are negative.
     void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
 
   private:

@@ -33,7 +33,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of up to this many pixels (16384 x 16384) is accepted even if the file is small.
+/// A display window of up to 16384 x 16384 px is accepted even if the file is small.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -64,8 +64,8 @@ std::uint64_t bytes_of_pixel(const Imf::Header& h) {
     return bytes;
 }
 
-/// Throws Error(invalid_input) if the windows or tiles of a part are too large, or implausible for the size
-/// of the file. Returns the size of an uncompressed chunk in bytes.
+/// Returns the size of an uncompressed chunk in bytes. Throws Error(invalid_input) if the windows or tiles of
+/// a part are too large, or implausible for the size of the file.
 std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::uint64_t file_bytes,
                             const std::string& name) {
     const auto width = static_cast<std::uint64_t>(part.width());
@@ -79,8 +79,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A small file may be a crop of a large display window. The sizes of window and file are therefore
-    // compared only if the window is implausibly large.
+    // A small file may be a crop of a large display window. So only an implausibly large window is compared
+    // with the size of the file.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -104,12 +104,12 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
     return chunk_pixels * pixel_bytes;
 }
 
-/// Returns the number of threads that the OpenEXR library may use to read a file, or 0 to read in the calling
-/// thread. `greatest_chunk` is the size of the largest chunk in bytes. The number is small to save memory,
-/// because the library allocates several chunks per thread and part.
+/// Returns the number of threads that read a file, or 0 for the calling thread. `greatest_chunk` is the size
+/// of the largest chunk in bytes.
+/// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // ForeignFile::read_flat reads bands of rows. With ZIP, the most common compression, a band has only four
-    // chunks, so two threads suffice.
+    // A band of ForeignFile::read_flat has only four chunks with ZIP, the most common compression. So two
+    // threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -175,8 +175,7 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // The headers are checked before the OpenEXR library reads them. This check needs no more memory than
-        // the size of the headers.
+        // The headers are checked before the OpenEXR library reads them, with no more memory than their size.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -300,8 +299,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is computed from luminance, red and blue. This requires a division by the weight of green,
-    // out[1], which must not be 0.
+    // To compute green from luminance, red and blue, one divides by its weight out[1], which must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

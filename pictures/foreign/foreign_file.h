@@ -1,5 +1,4 @@
-// An OpenEXR file, flat or deep, that another program wrote. All sizes are checked before memory is
-// allocated.
+// An OpenEXR file, flat or deep, of another program. All sizes are checked before memory is allocated.
 #pragma once
 
 #include <array>
@@ -19,8 +18,8 @@
 
 namespace postlens {
 
-/// What a part is used for: `picture` for parts of the image's own file, otherwise the pass (depth, ids or
-/// motion vectors) that a separate file provides.
+/// What a part is used for: `picture` in the image's own file, or the pass (depth, ids or motion vectors) of
+/// a separate file.
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -39,13 +38,13 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Converts an integer whose bits are stored in a float to its value. ForeignFile passes integer channels in
+/// Converts an integer, stored as the bits of a float, to its value. ForeignFile stores integer channels in
 /// this form.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
 
-/// Subsampling steps of a channel, which has values only where x and y are multiples of the steps.
+/// Subsampling steps of a channel. It has values only where x and y are multiples of the steps.
 struct ChannelSampling {
     int x = 1, y = 1;
     friend bool operator==(const ChannelSampling&, const ChannelSampling&) = default;
@@ -55,15 +54,15 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// Values of each channel. The samples of one pixel are adjacent, followed by those of the next pixel.
-    /// Integers are stored as their bits.
+    /// Values of each channel, pixel by pixel: all samples of a pixel are adjacent. Integers are stored as
+    /// their bits.
     std::vector<std::span<const float>> values;
 };
 
-/// An OpenEXR file, and separate files for its passes (such as depth or ids). Throws Error(invalid_input),
-/// with the name of the file, if the file is damaged, claims more data than its size allows, or exceeds a
-/// limit: 65536 px per edge of a window, 2^29 px per window, 256 MB per chunk. Throws Error(out_of_memory)
-/// instead of exceeding the available memory.
+/// An OpenEXR file, and separate files for its passes (such as depth or ids). Its limits are 65536 px per
+/// edge of a window, 2^29 px per window, and 256 MB per chunk.
+/// Throws Error(invalid_input), with the name of the file, if the file is damaged, exceeds a limit, or claims
+/// more data than its size allows. Throws Error(out_of_memory) if the memory does not suffice.
 class ForeignFile {
   public:
     explicit ForeignFile(const std::filesystem::path& path);
@@ -74,20 +73,19 @@ class ForeignFile {
     ForeignFile& operator=(ForeignFile&&) = delete;
 
     /// Attaches a separate file for the pass `use` and adds its parts. Throws Error(invalid_input) if the
-    /// display windows of the two files differ in size. Also throws the errors of the constructor.
+    /// display windows differ in size, and the errors of the constructor.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }
     /// Returns the name of the file that contains the part.
     [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
-    /// Returns the names of all stereo views, without duplicates. Views listed in `multiView` come first.
+    /// Returns the names of all stereo views, those in `multiView` first. No name occurs twice.
     [[nodiscard]] std::span<const std::string> views() const { return views_; }
     /// Returns true if a separate file was attached for this pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
-    /// These functions return an attribute of a part. They return empty if the part has no attribute of that
-    /// name and type.
+    /// These functions return an attribute of a part, or empty if there is none of that name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
@@ -96,9 +94,8 @@ class ForeignFile {
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
                                                                          std::string_view prefix) const;
 
-    /// Reads a flat part from top to bottom. Calls take(y, values) for each row, where `values` has one
-    /// pointer per channel, to the values of the row from left to right. Integers are passed as their bits,
-    /// stored in floats.
+    /// Reads a flat part from top to bottom, and calls take(y, values) for each row. `values` has one pointer
+    /// per channel, to the values of the row. Integers are passed as their bits, stored in floats.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
     /// Reads a deep part from top to bottom. `take` receives one band of rows at a time.
@@ -107,11 +104,11 @@ class ForeignFile {
     /// Returns the type of a channel's values, or `half` if the part has no channel of that name.
     [[nodiscard]] ChannelKind kind(std::size_t part, const std::string& channel) const;
     [[nodiscard]] ChannelSampling sampling(std::size_t part, const std::string& channel) const;
-    /// Returns the weights of red, green and blue in the luminance of the part. They are computed from the
-    /// chromaticities of the part, or from those of Rec.709 if the part states none.
+    /// Returns the weights of red, green and blue in the luminance of the part. They follow from its
+    /// chromaticities, which default to Rec.709.
     [[nodiscard]] std::array<double, 3> luminance_weights(std::size_t part) const;
-    /// Reads a subsampled channel of a flat part. Returns one value per pixel of the data window, row by row.
-    /// Values are interpolated bilinearly. Pixels beyond the last stored value repeat it.
+    /// Reads a subsampled channel of a flat part, and returns one value per pixel of the data window, row by
+    /// row. Values are interpolated bilinearly. The last value is repeated beyond its pixel.
     [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
     /// Returns true if the part's lossy compression may turn equal 32-bit floats into different ones.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
@@ -129,7 +126,7 @@ class ForeignFile {
 /// A list of channels to read, without duplicates. A channel's number is its index in the list.
 class ChannelList {
   public:
-    /// Adds a channel unless it is already in the list. Returns its number, or empty for an empty name.
+    /// Adds a channel unless the list contains it. Returns its number, or empty for an empty name.
     std::optional<std::size_t> add(const std::string& name);
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 

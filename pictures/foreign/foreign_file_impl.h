@@ -1,5 +1,5 @@
-// Implementation of ForeignFile: the open files of the OpenEXR library, and functions used for both flat and
-// deep parts.
+// Implementation of ForeignFile: the open files of the OpenEXR library, and functions for flat and deep
+// parts.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>
@@ -21,23 +21,22 @@ namespace postlens {
 
 namespace foreign {
 
-/// Data of up to this many bytes are accepted even if the file is small.
+/// Data of up to 64 MB are accepted even if the file is small.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Largest plausible compression ratio. A file that would need a larger one counts as damaged. Deflate
-/// reaches at most 1032.
+/// Largest plausible compression ratio. Deflate reaches at most 1032, so a file that needs more than 4096 is
+/// damaged.
 inline constexpr std::uint64_t densest = 4096;
 
 /// Returns the number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// Returns the type in which the OpenEXR library must read a channel: integer for integer channels, whose
-/// bits are then stored in floats, and float for all others. Throws Error(invalid_input) if the channel is
-/// missing or subsampled.
+/// Returns the type in which the OpenEXR library must read a channel: integer for integer channels, float for
+/// all others. Throws Error(invalid_input) if the channel is missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 
-/// Calls the OpenEXR library and converts its exceptions to Error. A thread that cannot be started is no
-/// fault of the file, so its exception is passed on.
+/// Calls the OpenEXR library and converts its exceptions to Error. Passes on a failure to start a thread,
+/// which is no fault of the file.
 template <typename Call>
 auto guarded(const std::string& name, const Call& call) {
     try {

@@ -21,8 +21,8 @@ namespace {
 
 using Take = std::function<void(int, std::span<const float* const>)>;
 
-/// Returns the compression of a part if its chunks can be expanded by ChunkCodec, which takes a third of the
-/// time of the OpenEXR library. This requires scanlines, and a value of every channel for each pixel.
+/// Returns the compression of a part if ChunkCodec can expand it, in a third of the library's time. The part
+/// must have scanlines, and a value of every channel for each pixel.
 std::optional<ChunkCompression> own_compression(const ForeignPart& part, const Imf::Header& h) {
     if (part.tiled || h.compression() > Imf::ZIP_COMPRESSION) return std::nullopt;
     for (auto c = h.channels().begin(); c != h.channels().end(); ++c) {
@@ -57,7 +57,7 @@ class ChunkReader {
                           at_a_time = static_cast<std::size_t>(thread_count()) + 1;
         require_memory(at_a_time * (band_values * sizeof(float) + 4 * rows_of_band * row_bytes_),
                        "the bands of the picture that are read at a time");
-        // Per band: its values, and a chunk of its own, packed and unpacked.
+        // Each band has values, a packed chunk and an unpacked chunk.
         require_memory(at_a_time * (band_values * sizeof(float) + 2 * rows_of_band * row_bytes_),
                        "some bands of the picture");
         std::vector<Band> bands(at_a_time);
@@ -102,7 +102,7 @@ class ChunkReader {
         std::vector<float> values;  ///< row by row, and in each row channel by channel
     };
 
-    /// Stores the values of the chunk of the rows [y, y_end) from `to` on. Returns the end of these values.
+    /// Writes the values of the chunk of rows [y, y_end) to `to`. Returns the end of these values.
     float* expand(int y, int y_end, Band& band, float* to) const {
         // The library refuses chunks that need more bytes than an uncompressed one.
         band.packed.resize(static_cast<std::size_t>(rows_per_chunk(compression_)) * row_bytes_);
@@ -162,8 +162,8 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
         const auto read_band = [&](int y, std::vector<float>& band) {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                // The OpenEXR library expects the address of pixel (0, 0) of the file, even if this pixel is
-                // not stored.
+                // The OpenEXR library expects the address of pixel (0, 0), even if the file does not store
+                // this pixel.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
                 auto* base = reinterpret_cast<char*>(band.data() + c * plane);
@@ -200,7 +200,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Returns the smallest multiple of the sampling step `every` that is not less than `from`. A subsampled
+    // Returns the smallest multiple of the sampling step `every` that is at least `from`. A subsampled
     // channel has values only at such x and y.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
@@ -215,8 +215,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     guarded(name_of(part), [&] {
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         Imf::FrameBuffer frame;
-        // The OpenEXR library expects the address of the value at pixel (0, 0), even if this pixel is not
-        // stored.
+        // The OpenEXR library expects the address of pixel (0, 0), even if the file does not store this
+        // pixel.
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
         frame.insert(channel, Imf::Slice(Imf::FLOAT,
@@ -226,8 +226,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// The indices of the two stored values on either side of a pixel, and the interpolation weight of the
-    /// second.
+    /// The two stored values on either side of a pixel, and the interpolation weight of the second.
     struct Between {
         std::size_t first, second;
         float share;

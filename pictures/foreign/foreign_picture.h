@@ -1,5 +1,5 @@
-// An image that another program wrote, flat or deep. Each pixel has a stack: a list of samples with colour,
-// alpha and depth.
+// An image of another program, flat or deep. Each pixel has a stack: a list of samples with colour, alpha and
+// depth.
 #pragma once
 
 #include <array>
@@ -15,38 +15,36 @@
 
 namespace postlens {
 
-/// One sample in the stack of a pixel. It is composited over the samples behind it ("over" [porter1984]).
-/// Colours are premultiplied by alpha.
+/// One sample in the stack of a pixel, composited over the samples behind it ("over" [porter1984]). Colours
+/// are premultiplied by alpha.
 struct StackSample {
     float inverse_z = 0;  ///< 1 / depth along the axis, 1/m; 0 means infinitely far
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, from which the circle of confusion is computed instead of `inverse_z`, for example
-    /// for an object that the user keeps in focus. A negative value means that `inverse_z` is used.
+    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`, for example of an
+    /// object that the user keeps in focus. If it is negative, `inverse_z` is used.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// A stack counts as opaque if its transmittance is at most this. It need not be 0, because alphas are
-/// rounded.
+/// A stack of at most this transmittance is opaque. It is not 0, because alphas are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
-/// no sample is opaque. A stack that ends with an opaque sample yields at most opaque_transmittance, because
-/// nothing is known behind that sample. If `is_nothing_behind` is set, empty space is known to be there, and
-/// such a stack yields 1.
+/// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
+/// is opaque.
+/// A stack that ends with an opaque sample yields at most opaque_transmittance, because the scene behind it
+/// is unknown. With `is_nothing_behind`, it is known to be empty, and the result is 1.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
-/// Converts a value of an id channel to an id. The id is the bits of `value`, which are those of an integer
-/// if `whole` is true, and otherwise those of a float. The floats 0, -0 and NaN become 0, which means that
-/// there is no id.
+/// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
+/// as a float. The floats 0, -0 and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
-/// two depths.
+/// A pixel that shows several surfaces, as its Cryptomatte states or because its depth is a mean of two
+/// depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -55,8 +53,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Only set if depths, not ids, distinguish
-    /// the surfaces.
+    /// Inverse depth of this surface, 1/m, or 0 for infinity. Only set if depths, not ids, distinguish the
+    /// surfaces.
     std::optional<float> inverse_z;
 };
 
@@ -68,19 +66,18 @@ struct ForeignRepair {
 
 struct ForeignPicture {
     int width = 0, height = 0;  ///< size of the raster, px: the display window without overscan
-    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster on any
-    /// side.
+    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
-    /// `mixed` lists, in ascending order, the pixels that show several surfaces. `shares` holds the fraction
+    /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
     /// of the pixel that each surface covers, the largest first. The sample of a mixed pixel has the id of
-    /// the surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
+    /// the largest. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// 1 for each stored pixel behind whose samples an image of `lay_behind` shows empty space, else 0. Empty
-    /// if there is no such pixel.
+    /// 1 for each stored pixel with known empty space behind its samples, as an image of `lay_behind` shows,
+    /// else 0. Empty if there is no such pixel.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
@@ -102,12 +99,11 @@ struct ForeignPicture {
     [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
         return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
-    /// Returns whether a stored pixel has empty space behind its samples, see `ends_in_nothing`.
+    /// Returns true if a stored pixel has empty space behind its samples (`ends_in_nothing`).
     [[nodiscard]] bool is_nothing_behind(std::size_t pixel) const {
         return !ends_in_nothing.empty() && ends_in_nothing[pixel] != 0;
     }
-    /// Returns the sample of a stored pixel at which the composited alpha reaches one half, or null if it
-    /// stays below one half.
+    /// Returns the first sample of a stored pixel at which the composited alpha reaches one half, or null.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
         double left = 1;
         for (const StackSample& s : stack(x, y)) {
@@ -122,12 +118,11 @@ struct ForeignPicture {
     /// Returns the image of the display window, with the samples of each pixel composited. `alpha` is empty
     /// if all pixels are opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Returns true if blur cannot make a pixel of the display window translucent, unless it shows what lies
-    /// behind opaque samples: all pixels are opaque, including those beyond the window, and no sample is a
-    /// holdout.
+    /// Returns true if all pixels, also those beyond the display window, are opaque and no sample is a
+    /// holdout. Blur then makes no pixel translucent, except where it reveals what opaque samples hide.
     [[nodiscard]] bool is_opaque() const;
     /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
-    /// infinity if it stays below one half. Throws Error(wrong_arguments) outside the stored pixels.
+    /// infinity. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

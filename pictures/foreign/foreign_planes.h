@@ -12,28 +12,28 @@
 
 namespace postlens {
 
-/// Reads channels of a flat part at the pixels of another part, `onto`. The upper left corners of both
-/// display windows coincide. Calls take(pixel, count, from, values) for each row of pixels that both parts
-/// store. The row's first pixel has the index `pixel` in `onto`. Its `count` values in channel c begin at
-/// values[c][from].
+/// Reads channels of a flat part at the pixels of another part, `onto`, whose display window has the same
+/// upper left corner. Calls `take` for each row of common pixels:
+/// `pixel`: index of the row's first pixel in `onto`
+/// `count`: number of pixels
+/// `values`: the values in channel c begin at values[c][from]
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel for all pixels of part `onto`, row by row. Pixels that `part` does not
-/// store get the nearest stored value on sides on which `part` reaches the border of the display window, and
-/// the value `otherwise` on other sides. If `converts` is true, the integers of the channel are converted to
-/// floats. Throws Error(out_of_memory).
+/// Returns the values of a channel for all pixels of the part `onto`, row by row. With `converts`, integers
+/// are converted to floats. Throws Error(out_of_memory).
+/// Pixels that `part` does not store get the value `otherwise`. But beyond the border of the display window,
+/// they get the nearest value.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
 
 /// How the values of a channel are read:
-/// - number: as floats; integers are converted;
-/// - interpolated: as `number`, and the channel may be subsampled (ForeignFile::read_sampled);
-/// - id: floats stay floats, but integers are passed as their bits, because a float cannot represent every
-///   id.
+/// - number: as floats; integers are converted
+/// - interpolated: as `number`; the channel may be subsampled (ForeignFile::read_sampled)
+/// - id: floats stay floats; integers are passed as their bits, because a float cannot represent every id
 enum class ChannelUse { number, interpolated, id };
 
 /// Reads channels of several parts row by row, as if they were in a single part.
@@ -43,14 +43,14 @@ class JoinedChannels {
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
     /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
-    /// empty name. The same channel with the same use keeps its index. Pixels that the channel's part does
-    /// not store get the value `otherwise`. `read` reads the channels of the constructor's part; all others
-    /// are read here.
+    /// empty name. The same channel with the same use keeps its index.
+    /// Pixels that the part does not store get the value `otherwise`. Channels of the constructor's part are
+    /// read by `read`, all others at once.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, with a pointer for
-    /// each channel.
+    /// Reads all rows from top to bottom. `take(y, values)` receives each row, with a pointer for each
+    /// channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest fraction of a pixel at which a surface is kept. Surfaces that cover less are omitted.
+/// Smallest fraction of a pixel at which a surface is kept.
 constexpr float least_share = 0.01F;
 
 void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum, ForeignPicture& out) {

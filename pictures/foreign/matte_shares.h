@@ -1,4 +1,4 @@
-// Determines which surfaces each pixel of a flat image shows, using the Cryptomatte of the image.
+// Determines, from its Cryptomatte, which surfaces each pixel of a flat image shows.
 #pragma once
 
 #include <cstddef>
@@ -13,25 +13,25 @@
 
 namespace postlens {
 
-/// Reads a Cryptomatte, which states what fraction of each pixel each surface covers. `take` and `finish`
+/// Reads a Cryptomatte, which states the fraction of each pixel that each surface covers. `take` and `finish`
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto` is the part with the colours, for whose pixels the fractions are determined.
+    /// `onto` is the part with the colours. The fractions are determined for its pixels.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. To
-    /// decompress this part only once, the caller reads them together with the colours and passes each row to
-    /// `take`, from top to bottom. Ranks (the surfaces of a pixel) must be read in order. If `part` does not
-    /// store the first rank, the result is empty, and `finish` reads all ranks.
+    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller reads them
+    /// together with the colours, to decompress the part only once. It passes each row to `take`, from top to
+    /// bottom.
+    /// The ranks (surfaces of a pixel) must be read in order. So the result is empty if `part` lacks the
+    /// first rank, and `finish` then reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the values of `count` adjacent pixels, the first of which has the index `pixel`. values[c]
-    /// points to the `count` values of channel c. `picture` must have the samples of these pixels.
+    /// Receives the values of `count` adjacent pixels, from the index `pixel` on. values[c] points to those
+    /// of channel c. `picture` must have the samples of these pixels.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
-    /// Reads the parts whose values were not passed to `take`. Then gives each sample of `picture` the id of
-    /// the surface that covers most of its pixel. Adds pixels that show several surfaces to
-    /// ForeignPicture::mixed.
+    /// Reads the parts whose values were not passed to `take`. Gives each sample of `picture` the id of the
+    /// surface that covers most of its pixel. Adds pixels with several surfaces to ForeignPicture::mixed.
     void finish(ForeignPicture& picture);
 
   private:

@@ -25,12 +25,12 @@
 namespace postlens {
 namespace {
 
-/// Volumes are divided into slices, within which the circle of confusion varies little. `slice_ratio` is the
-/// intended ratio of a slice's far depth to its near depth. A volume has at most `most_slices` slices.
+/// Volumes are divided into slices, in which the circle of confusion varies little. `slice_ratio` is the
+/// intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// If a volume begins at the camera, or nearer than this fraction of its far depth, this fraction is the
-/// first slice. It contains at most a hundredth of the volume's optical depth.
+/// A volume that begins at the camera has a first slice that ends at this fraction of its far depth. It holds
+/// at most a hundredth of the volume's optical depth.
 constexpr double first_slice = 1e-2;
 
 /// Converts the values of the file to one stack of samples per pixel.
@@ -47,8 +47,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The raster must contain both the display window and the stored pixels. It would be too large if the
-        // two were far apart.
+        // The raster must contain the display window and the stored pixels. If they were far apart, it would
+        // be too large.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -103,8 +103,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // The camera in the file describes the whole display window, but the user's film width describes the
-        // frame alone. It is therefore converted to the width of the display window.
+        // The user's film width describes the frame alone, but the camera in the file describes the whole
+        // display window. So the width is converted to that of the display window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -131,8 +131,7 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept, and repaired
-        // later.
+        // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept for repair.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         finite_colours_ = finite_colours_ && has_finite_colour(s);
         out_.samples.push_back(s);
@@ -140,8 +139,7 @@ class Reader {
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // An alpha may be outside 0 to 1 by this much without a warning, because it may be a sum of rounded
-        // values.
+        // Alphas that are sums of rounded values may be outside 0 to 1 by this much, without a warning.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -171,8 +169,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Memory is reserved so that the lists are not copied when they grow. The reserved size is limited,
-        // because a damaged file may claim more pixels than it contains.
+        // Reserving avoids copies when the lists grow. The size is limited, because a damaged file may claim
+        // more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         // A mixed pixel later gets several samples (unmix_edges).
@@ -239,14 +237,13 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // In some files, all depths are negative. The sign of the front depth is applied to the
-                    // back depth, to make it positive. If ZBack is not a valid depth, the volume becomes a
-                    // surface.
+                    // The depths of a file may all be negative, so the back depth gets the sign of the front
+                    // depth. Without a valid back depth, the volume becomes a surface.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 means that the camera is inside the volume. Its sign is unknown, so
-                    // the absolute value of `back` is used.
+                    // A front depth of 0 means that the camera is inside the volume. It has no sign, so the
+                    // absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -266,8 +263,8 @@ class Reader {
         });
     }
 
-    /// Adds a sample. A volume is divided into slices of equal length. Its density is constant, so the slices
-    /// have equal transmittance.
+    /// Adds a sample. A volume has constant density, so it is divided into slices of equal length and
+    /// transmittance.
     void add_volume(const DeepSample& from) {
         const double z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(from.z), from.r, from.g, from.b, from.alpha, from.id};
@@ -297,8 +294,8 @@ class Reader {
         }
     }
 
-    /// Adds a slice of the volume `s`, from the depth `near` to `far`. `part` is its part of the volume's
-    /// length.
+    /// Adds the slice of the volume `s` between the depths `near` and `far`. `part` is its fraction of the
+    /// volume's length.
     void add_slice(const StackSample& s, double near, double far, double part) {
         const double whole = static_cast<double>(s.alpha);
         const double alpha = -std::expm1(part * std::log1p(-whole));

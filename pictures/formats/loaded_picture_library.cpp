@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the path of the file that contains this code: a program, or an extension module of another program.
-// For a program, dladdr may report only the name by which it was started, so /proc/self/exe is used.
+// Returns the path of the program or extension module that contains this code. dladdr may report only the
+// name by which a program was started, so /proc/self/exe is used for it.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};
@@ -23,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches the folders above the file that contains this code for the module. The build folder and the
-// installation can therefore be moved.
+// Searches the folders above this code's file for the module, so that the build folder and the installation
+// can be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the result of `work`, which calls a decoder or an encoder. If it throws, sets `problem` to the
-/// message and returns an empty result.
+/// Returns the result of `work`, which calls a decoder or an encoder. If it throws, returns an empty result,
+/// and `problem` is the message.
 template <typename Work>
 auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     try {
@@ -23,8 +23,8 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// Returns a header attribute as text, even if its value is a number. TIFF and JPEG files store attributes as
-/// lines "NAME=TEXT" of the image description.
+/// Returns a header attribute as text. TIFF and JPEG files store attributes as lines "NAME=TEXT" of the image
+/// description.
 std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
     if (const OIIO::ParamValue* found = s.find_attribute(name)) return found->get_string();
     std::string begin("\n"), text("\n");
@@ -38,7 +38,7 @@ std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory` contains the encoded file if `in` reads from memory. It is null if `in` reads from the disk.
+    /// `memory` contains the encoded file, or is null if `in` reads from the disk.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -81,8 +81,8 @@ class OiioReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Encodes a file in memory. OpenImageIO 2.4 cannot be trusted to write to the disk: if the disk is full, it
-/// reports success for PNG and TIFF, and ends the process for JPEG.
+/// Encodes a file in memory. OpenImageIO 2.4 does not report a full disk for PNG and TIFF, and ends the
+/// process for JPEG.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
     return guarded(problem, [&]() -> std::vector<unsigned char> {
@@ -121,9 +121,9 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // The time of writing is left out, so that equal images give equal files. No colour space is set,
-        // because that needs an EXIF directory, which OpenImageIO 2.4 cannot write to memory. Readers assume
-        // sRGB for integer values anyway.
+        // Without the time of writing, equal images give equal files. A colour space would need an EXIF
+        // directory, which OpenImageIO 2.4 cannot write to memory. Readers assume sRGB for integer values
+        // anyway.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

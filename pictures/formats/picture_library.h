@@ -1,10 +1,8 @@
-// Interface to OpenImageIO, which reads and writes all image formats except OpenEXR and PNG. Only the
-// implementation of this interface includes OpenImageIO.
+// Interface to OpenImageIO, which reads and writes all image formats except OpenEXR and PNG.
 //
-// OpenImageIO can depend on two hundred other libraries and take 0.3 s to load. The programs of this project
-// therefore load it only when they need it (loaded_picture_library.cpp). Programs that use the installed
-// libraries of this project link OpenImageIO directly (linked_picture_library.cpp). A program chooses by
-// linking one of these two files.
+// OpenImageIO can depend on two hundred other libraries and take 0.3 s to load. So this project's programs
+// load it when they need it, by linking loaded_picture_library.cpp. Programs that use the installed libraries
+// link OpenImageIO directly (linked_picture_library.cpp).
 #pragma once
 
 #include <cstdint>
@@ -16,8 +14,8 @@
 
 namespace postlens {
 
-/// The contents of an image header. The members that begin with `full_` describe the display window, and x,
-/// y, width and height the data window.
+/// The contents of an image header. `full_` marks the display window. x, y, width and height describe the
+/// data window.
 struct PictureLayout {
     int width = 0, height = 0, depth = 0;
     int x = 0, y = 0;
@@ -43,13 +41,13 @@ class PictureReader {
     PictureReader& operator=(PictureReader&&) = delete;
 
     [[nodiscard]] virtual const PictureLayout& layout() const = 0;
-    /// Reads the first `channels` channels of all pixels into `to`, row by row. Integer values are scaled to
-    /// 0..1. Returns an error message, which is empty on success.
+    /// Reads the first `channels` channels of all pixels into `to`, row by row. Integers are scaled to 0..1.
+    /// Returns an error message, which is empty on success.
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
-/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as text,
-/// which may have several lines.
+/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as text
+/// of one or more lines.
 class PictureLibrary {
   public:
     PictureLibrary() = default;
@@ -62,14 +60,14 @@ class PictureLibrary {
     /// Opens a file for reading. On failure, sets `problem` and returns null.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(const std::string& path,
                                                               std::string& problem) const = 0;
-    /// Opens a file whose bytes are in memory. `format` is the name of its format, such as "png". The bytes
-    /// must outlive the reader.
+    /// Opens a file whose bytes are in memory, and must outlive the reader. `format` is its format, such as
+    /// "png".
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(std::string_view bytes,
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
     /// Returns a TIFF file with 16-bit sRGB values. `rgb` contains width * height * 3 values. `description`
-    /// is stored as a text unless it is empty. On failure, sets `problem` and returns an empty vector. The
-    /// function jpeg() below does the same for a JPEG file with 8-bit values.
+    /// is stored unless it is empty. On failure, sets `problem` and returns an empty vector. jpeg() does the
+    /// same with 8-bit values.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
                                                           const std::string& description,
@@ -80,17 +78,17 @@ class PictureLibrary {
                                                           std::string& problem) const = 0;
 };
 
-/// Returns the image library. Throws Error(invalid_input) if it cannot be loaded. Several threads may call
-/// this function at the same time.
+/// Returns the image library. Throws Error(invalid_input) if it cannot be loaded. Several threads may call it
+/// at the same time.
 [[nodiscard]] const PictureLibrary& picture_library();
 
-/// Header attribute of a crop. It states the x, y, width and height of the crop within the whole image.
+/// Header attribute of a crop: its x, y, width and height in the whole image.
 inline constexpr const char* crop_attribute = "postlens.crop";
-/// Header attribute for the exposure of an image, in stops (pictures/image.h). In TIFF and JPEG files it is a
-/// line "postlens.exposure_stops=STOPS" of the image description.
+/// Header attribute for the exposure of an image, in stops (pictures/image.h). In TIFF and JPEG files, it is
+/// a line of the image description.
 inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
-/// Header attribute that states how an image or a sample file was made. In TIFF and JPEG files it is a line
-/// "postlens.made_by=TEXT" of the image description.
+/// Header attribute that states how an image or a sample file was made. In TIFF and JPEG files, it is a line
+/// of the image description.
 inline constexpr const char* made_by_attribute = "postlens.made_by";
 
 }  // namespace postlens

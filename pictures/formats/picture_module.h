@@ -3,8 +3,8 @@
 
 #include "pictures/formats/picture_library.h"
 
-/// The number in the function's name changes with every change of PictureLibrary. A program can therefore not
-/// use a module of another version.
+/// The number in the name changes with every change of PictureLibrary, so that a program cannot use a module
+/// of another version.
 extern "C" const postlens::PictureLibrary* postlens_picture_library_1();
 
 namespace postlens {

@@ -60,11 +60,11 @@ class ExrReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Returns the layout of a file with this header, or empty if open_plain_picture does not support the file.
+/// Returns the layout of a file with this header, or empty if open_plain_picture does not support it.
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Files with these attributes are refused, because they may state that the values are not linear.
+    // Values may be nonlinear if a file has one of these attributes, so it is refused.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }

@@ -27,18 +27,17 @@ struct PlainPng {
     std::string made_by;   ///< postlens.made_by; empty if there is none
 };
 
-/// `data` is a tEXt chunk of a PNG file. If it has the key `key`, sets `value` to its text.
+/// `data` is a tEXt chunk of a PNG file. If its key is `key`, `value` becomes its text.
 void take_text(std::string_view data, std::string_view key, std::string& value) {
     if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
         value = data.substr(key.size() + 1);
 }
 
-/// Reads the chunks that precede the pixels. Returns empty if a chunk changes the meaning of the pixels in a
-/// way that PngReader (below) does not support, for example a colour profile.
+/// Reads the chunks before the pixels. Returns empty if a chunk changes the meaning of the pixels in a way
+/// that PngReader does not support, such as a colour profile.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
-    // Chunks that do not change the meaning of the pixels, such as texts, dates and the size of a pixel on
-    // paper.
+    // Chunks that do not change the meaning of the pixels, such as texts and dates.
     constexpr std::array silent{"PLTE"sv, "sRGB"sv, "cHRM"sv, "pHYs"sv, "tEXt"sv, "zTXt"sv,
                                 "iTXt"sv, "tIME"sv, "bKGD"sv, "sBIT"sv, "hIST"sv, "eXIf"sv};
     constexpr std::uint32_t gamma_of_srgb = 45455;

@@ -14,11 +14,11 @@
 namespace postlens {
 namespace {
 
-/// Two inverse depths count as equal if they differ by at most this relative amount, as they do after
-/// rounding to half floats.
+/// Two inverse depths that differ by at most this relative amount count as equal. Rounding to half floats
+/// causes such differences.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image counts as nearer only if it is nearer than the front image by more than this
-/// fraction of its distance. Smaller differences are noise in the depths.
+/// A sample of the back image is nearer than the front image only by more than this fraction of its distance.
+/// Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -43,8 +43,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel).
-/// Returns infinity if the stack transmits light.
+/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel), or
+/// infinity if the stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -60,8 +60,8 @@ bool is_open(std::span<const StackSample> stack) {
     return std::isinf(last_opaque(stack));
 }
 
-/// Returns true if a stack has a sample of the same surface as `s`. Such a sample is at the same depth and,
-/// if both samples have ids, has the same id.
+/// Returns true if a stack has a sample of the same surface as `s`: at the same depth and, if both have ids,
+/// with the same id.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
     const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
     const auto first = std::partition_point(stack.begin(), stack.end(),
@@ -73,20 +73,21 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 }
 
 /// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
-/// images. If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise
-/// it may be cut off at `front`, and the back image would show in place of its missing objects. The result is
-/// then `front`.
+/// images.
+/// If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise the
+/// result is `front`: the front image may be cut off there, and the back image would show in place of its
+/// missing objects.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the combined image, by the same rule as begin_of_both. The
-/// raster has `size` rows or columns.
+/// Returns the end (last row or column + 1) of the combined image, by the rule of begin_of_both. The raster
+/// has `size` rows or columns.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
 
-/// Joins the manifests (lists of object names) of the Cryptomattes of both images. If a name is in both
-/// manifests, its id in `front` is kept.
+/// Joins the manifests (lists of object names) of the Cryptomattes of both images. A name in both manifests
+/// keeps its id in `front`.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

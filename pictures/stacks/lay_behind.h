@@ -1,5 +1,5 @@
-// Adds a second image of the same camera behind a first one. The second image shows surfaces that are hidden
-// in the first image.
+// Adds a second image of the same camera behind a first one. The second image shows surfaces that the first
+// one hides.
 #pragma once
 
 #include <string>

@@ -39,9 +39,10 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that the user's text `object` can mean, best first: the id of this name in the manifest,
-/// then the hash of the name. An integer can also be the id itself, or the value of a float whose bits are
-/// the id.
+/// Returns the ids that the user's text `object` can mean, best first:
+/// - the id of this name in the manifest
+/// - the hash of the name
+/// - for an integer, the id itself, or the bits of a float with this value
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -76,8 +77,8 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two samples at the same depth. The first one belongs to the object and is the
-/// fraction `share` of the original sample.
+/// Divides a sample into two at the same depth. The first belongs to the object and is the fraction `share`
+/// of the sample.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
@@ -90,7 +91,7 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
 
 /// Chooses which samples of a stack (the samples of a pixel) belong to an object that covers a given fraction
 /// of the pixel. Only samples at the depth of the nearest sample are chosen. A sample that covers too much is
-/// divided in two. One MaskedStack is reused for all pixels to avoid allocations.
+/// divided in two. One MaskedStack serves all pixels, to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -101,13 +102,13 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If this mask has been applied to the stack before, the same samples are chosen again.
+        // If this mask has already been applied to the stack, the same samples are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Masks usually cover different objects, so samples that no mask has chosen yet are chosen first. If
-        // they cover less of the pixel than this mask, samples of other masks follow.
+        // Different masks usually cover different objects. So samples without a mask are chosen first, and
+        // samples of other masks only if they cover too little of the pixel.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
@@ -115,8 +116,8 @@ class MaskedStack {
 
   private:
     /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
-    /// Returns the fraction that is left to cover. Only samples at the depth of the nearest sample are
-    /// considered, because they are parts of one surface.
+    /// Returns the fraction that is still to be covered. All samples are at the depth of the nearest one, as
+    /// parts of one surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
@@ -167,8 +168,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // The mask ends at the border of the raster, but an object may continue beyond the border. The
-            // outermost values of the mask are therefore repeated there.
+            // An object may continue beyond the border of the raster, where the mask ends. So the outermost
+            // values of the mask are repeated there.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

@@ -12,9 +12,9 @@ namespace postlens {
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
     // Bytes of a row in the file, apart from its compressed records:
-    // - 32 for the header of its chunk of records;
-    // - 12 for the header of its chunk in the part `scanlines`, and the data of that chunk;
-    // - 8 for its entry in the offset table of each of these two parts.
+    // - 32 for the header of its chunk of records
+    // - 12, and the data, for its chunk in the part `scanlines`
+    // - 8 for its entry in the offset table of each part
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     ScanlineBytes bytes(band.width(), channels);

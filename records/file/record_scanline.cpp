@@ -16,8 +16,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables that convert positions within a pixel, which are multiples of 1/1024 px, to half floats and back.
-/// All other half floats become NaN.
+/// Tables between half floats and positions within a pixel, in multiples of 1/1024 px. All other half floats
+/// become NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};
@@ -83,8 +83,8 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// Converts a half float to a record's mark (a set of flags). Values other than the integers from 0 to 255
-/// become 255, which is not a valid mark.
+/// Converts a half float to a record's mark (a set of flags). Values other than integers from 0 to 255 become
+/// 255, which is not a valid mark.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);
     return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;

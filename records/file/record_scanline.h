@@ -1,5 +1,5 @@
-// Converts one scanline of records to bytes and back. The bytes are stored in a chunk of the deep OpenEXR
-// file, and the scanline's checksum is computed from them.
+// Converts one scanline of records to the bytes of a chunk of the deep OpenEXR file, and back. The scanline's
+// checksum is that of these bytes.
 #pragma once
 
 #include <cstdint>
@@ -11,33 +11,33 @@
 
 namespace postlens {
 
-/// Returns the number of bytes per record before compression. The number depends on which optional channels
-/// the file has.
+/// Returns the number of bytes per record before compression. It depends on the optional channels of the
+/// file.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
 /// The bytes of a scanline before compression, in little-endian order:
-/// - y as int32;
-/// - for each pixel, the number of records up to and including that pixel, as uint32;
-/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, sorted by
-///   name. Each has one value per record, pixel by pixel.
+/// - y as int32
+/// - for each pixel, the number of records up to and including that pixel, as uint32
+/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, each with one
+///   value per record, pixel by pixel
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
 
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Packs the records of scanline y. The records of pixel x_begin + i have the indices offsets[i] to
-    /// offsets[i + 1] - 1 in `records`. Their positions must lie in this pixel.
+    /// Packs the records of scanline y. In `records`, those of pixel x_begin + i are offsets[i] to offsets[i
+    /// + 1] - 1. Their positions must lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record from the stored record counts. `offsets` must have
-    /// width + 1 entries. The first entry becomes 0, and the last one the total count. Returns false if the
-    /// counts decrease, or if the total is not the number of records given to `prepare`.
+    /// Computes the index of each pixel's first record from the stored record counts. `offsets` has width + 1
+    /// entries: the first becomes 0, the last the total count. Returns false if the counts decrease, or if
+    /// the total is not the number given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. If the file
-    /// has no channel for W, then W is the identity divided by z'. The layer, w_bend and the mark are 0 if
-    /// their channels are absent. Returns false if a position within the pixel is not a multiple of 1/1024 px
-    /// from 0 to 1023/1024.
+    /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. Without a
+    /// channel for W, W is the identity divided by z'. Without their channels, the layer, w_bend and the mark
+    /// are 0.
+    /// Returns false if a position within the pixel is not a multiple of 1/1024 px from 0 to 1023/1024.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

@@ -10,16 +10,16 @@
 
 namespace postlens {
 
-/// Largest width and height of a raster in px, including overscan and corners. Floats below this size have a
-/// resolution of at least 1/64 px.
+/// Largest width and height of a raster in px, including overscan and corners. Up to this value, floats have
+/// a resolution of at least 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
-/// Throws Error(invalid_input) if a value is out of range. The message names `file` and the field. Does not
-/// check the motion, which motion_of_text() checks when the file is read.
+/// Throws Error(invalid_input), with `file` and the name of the field, if a value is out of range. Does not
+/// check the motion, which motion_of_text() does.
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
 /// Returns the checksum of all header fields as sixteen hexadecimal digits. docs/sample_file.md lists the
-/// bytes from which it is computed.
+/// bytes.
 [[nodiscard]] std::string header_checksum(const SampleHeader& header);
 
 /// Returns the OpenEXR headers of all parts, in the order of the file.
@@ -27,8 +27,7 @@ void check_sample_header(const SampleHeader& header, const std::string& file);
                                                       ChunkCompression picture);
 
 /// Reads the header of a sample file from the attributes of its parts. Throws Error(invalid_input) if the
-/// file is not a sample file of this version, if the attributes contradict each other, or if the checksum
-/// does not match.
+/// file is not a sample file of this version, or is damaged.
 [[nodiscard]] SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file);
 
 }  // namespace postlens

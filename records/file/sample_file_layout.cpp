@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part. For
-/// example, z_far is the channel Z.far.
+/// The fields of a row of the part `scanlines`, in file order. Each field is a channel: z_far is the channel
+/// Z.far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -85,8 +85,7 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Point samples lie at pixel corners, so the records have one more column and one more row than the
-    // image.
+    // Point samples lie at pixel corners, so records have one more column and row than the image.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

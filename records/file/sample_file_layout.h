@@ -1,5 +1,5 @@
-// The parts of a sample file: their names, channels and windows. The parts named `scanlines` hold a summary
-// of each row of records.
+// The parts of a sample file: their names, channels and windows. A part `scanlines` holds a summary of each
+// row of records.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 namespace postlens::layout {
 
 /// Kinds of parts in the OpenEXR file: the pinhole image, the records, and a summary of each row of records.
-/// The file begins with one part of each kind, in this order.
+/// The first three parts have this order.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the file. Part 0 is the pinhole image. It is followed by two parts for each
-/// instant: `records` and `scanlines`.
+/// Returns the index of a part in the file. The pinhole image is part 0. Two parts for each instant follow:
+/// `records` and `scanlines`.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }
@@ -34,8 +34,8 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Returns the name of a part: "picture", "records" or "scanlines". The parts of the i-th key (further
-/// recorded instant), where i starts at 1, are named "records.k<i>" and "scanlines.k<i>".
+/// Returns the name of a part: "picture", "records" or "scanlines". For the i-th further instant (key), from
+/// 1 on, it is "records.k<i>" or "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
@@ -58,8 +58,8 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of the part `scanlines`: the summary of one scanline of records, and the checksum of the same row of
-/// the pinhole image (0 outside the image). The stored row also has a checksum of y and of all its fields.
+/// A row of the part `scanlines`: the summary of one scanline of records, and the checksum of that row of the
+/// pinhole image (0 outside the image). In the file, a checksum of y and all fields follows.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
@@ -70,8 +70,8 @@ struct ScanlineRow {
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 
-/// Returns the checksum (XXH3, 64 bits, seed 0) of a row of the pinhole image before compression. `planes`
-/// holds the floats of the row: first all B, then all G, then all R.
+/// Returns the checksum (XXH3, 64 bits, seed 0) of an uncompressed row of the pinhole image. `planes` holds
+/// the floats of the row: all B, then all G, then all R.
 [[nodiscard]] std::uint64_t picture_row_checksum(ByteView planes);
 
 }  // namespace postlens::layout

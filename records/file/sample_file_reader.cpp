@@ -17,13 +17,13 @@ namespace {
 
 using namespace layout;
 
-/// A chunk is rejected if its stated size after expansion exceeds both `unquestioned_bytes` and
-/// `largest_expansion` times its packed size. A small damaged file can thus not cause a large allocation.
+/// A chunk is rejected if its stated size exceeds both this limit and `largest_expansion` times its packed
+/// size. So a small damaged file cannot cause a large allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 
-/// Largest factor by which a zlib stream can expand. A file that is too small for its stated number of
-/// records, even at this factor, is rejected.
+/// Largest ratio by which a zlib stream can expand. A file that is too small for its stated number of records
+/// is rejected.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
 constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size
@@ -210,7 +210,7 @@ void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, cons
         fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
     }
     const std::size_t first = band.pixel(band.x_begin, y);
-    // The caller has already set the first and the last offset of the row.
+    // The caller has already set the row's first and last offset.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
     check_row(y, expected, band);

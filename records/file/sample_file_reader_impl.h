@@ -15,8 +15,8 @@
 namespace postlens {
 namespace layout {
 
-/// Location in the file of a scanline of records. It consists of two packed blocks: the record counts,
-/// followed by the data. Positions and sizes are in bytes.
+/// Location of a scanline of records in the file: the packed record counts, followed by the packed data. In
+/// bytes.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
@@ -67,7 +67,7 @@ struct SampleFileReader::Impl {
     std::uint64_t record_count = 0;
     std::vector<LostRows> lost_runs;
     std::vector<double> lost_instants_s;
-    /// Scratch memory of each thread, kept between reads so that reading a small band allocates nothing.
+    /// Scratch memory of each thread, kept between reads to avoid allocations.
     mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
 
     [[noreturn]] void fail_damaged(int y, const char* what) const {
@@ -86,11 +86,11 @@ struct SampleFileReader::Impl {
     void read_alone(std::size_t instant, int y, Workplace& work) const;
     /// Makes the records that replace a lost (unreadable) row, and stores them in `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the records that replace row y into the band. The first of them gets the index `base`.
+    /// Copies the records that replace row y into the band, from the index `base` on.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
-    /// Returns the position and the size, in bytes, of the data in the flat chunk that begins at `at`. Throws
-    /// unless the chunk is that of row y of `part` and has at most `most_bytes` of data.
+    /// Returns the position and the size, in bytes, of the data in the flat chunk at `at`. Throws unless the
+    /// chunk is row y of `part` and has at most `most_bytes` of data.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
     [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;

@@ -9,8 +9,7 @@ namespace postlens {
 
 using namespace layout;
 
-/// Finds the rows that cannot be read. Each of them is marked as lost, and its summary becomes that of an
-/// empty row.
+/// Finds the rows that cannot be read. Marks them as lost, with the summary of an empty row.
 void SampleFileReader::Impl::find_lost_rows() {
     for (std::size_t i = 0; i < instants.size(); ++i) {
         Instant& of = instants[i];
@@ -35,8 +34,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes each instant that has no readable row. In the other instants, counts the records that replace each
-/// lost (unreadable) row.
+/// Removes each instant without a readable row. In the others, counts the records that replace each lost
+/// (unreadable) row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -83,7 +82,7 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // The number of replacement records may be different if the file has changed since it was opened.
+    // The number of replacement records differs if the file has changed since it was opened.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

@@ -19,8 +19,8 @@ namespace {
 
 using namespace layout;
 
-/// Number of rows that are packed in parallel before they are written. The number is small enough to limit
-/// memory, and large enough to keep all threads busy.
+/// Number of rows that are packed in parallel before they are written: few, to limit memory, but enough to
+/// keep all threads busy.
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
@@ -175,8 +175,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. Summaries are written one row late, because
-/// they contain a checksum of a row of the image, which also depends on the next row of records.
+/// Completes an instant by writing the summary of its last row. A summary contains the checksum of an image
+/// row, which depends on the next row of records. So it is written one row late.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -202,14 +202,14 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Compute image row y - 1 from the records of rows y - 1 and y. The first row of the band is an
-    // exception, computed above, because its row y - 1 belongs to the previous band.
+    // Image row y - 1 needs the records of rows y - 1 and y. For the first row of the band, it was computed
+    // above, because row y - 1 is in the previous band.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Image blocks are written as soon as their rows are complete, so the order of chunks in the file does
-    // not depend on the height of the bands.
+    // Image blocks are written as soon as their rows are complete, so that the height of the bands does not
+    // affect the order of chunks.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Collects the bytes from which the header's checksum is computed. docs/sample_file.md lists their order.
+/// Collects the bytes of the header's checksum. docs/sample_file.md lists their order.
 class HeaderBytes {
   public:
     template <typename T>
@@ -67,8 +67,8 @@ std::string header_checksum(const SampleHeader& h) {
     for (const double v : h.key_times_s) bytes.number(v);
     bytes.optional(h.sufficient.shutter_open_s);
     bytes.optional(h.sufficient.shutter_close_s);
-    // The fields below were added to the format later. They are included in the checksum only if they are
-    // present, so that the checksums of older files remain valid.
+    // Fields that were added later are part of the checksum only if they are present, so that the checksums
+    // of older files remain valid.
     if (h.has_bend) bytes.number<std::uint8_t>(1);
     const auto later = [&bytes](std::uint8_t tag, const std::optional<double>& value) {
         if (!value) return;
@@ -126,8 +126,8 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            "0 to 262144");
     demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
            "0 to 10");
-    // A position is stored as a float. Its 24 significant bits must suffice for the index of the pixel and
-    // the position within the pixel.
+    // A position is stored as a float. Its 24 significant bits hold the index of the pixel and the position
+    // within the pixel.
     const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
     demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
            extent, "at most 2^(24 - subdivision levels) and 262144");

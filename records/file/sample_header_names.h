@@ -1,5 +1,4 @@
-// Names of the attributes in the header of a sample file, used by the writer and the reader.
-// docs/sample_file.md explains each attribute.
+// Names of the attributes in the header of a sample file. docs/sample_file.md explains each attribute.
 #pragma once
 
 namespace postlens::attribute {

@@ -33,8 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// Converts a glm matrix to an OpenEXR matrix. glm stores columns of a matrix for column vectors, and OpenEXR
-/// stores rows of its transpose, so the numbers have the same order.
+/// Converts a glm matrix to an OpenEXR matrix. glm stores columns of a matrix for column vectors, OpenEXR
+/// rows of its transpose. So the order of the numbers is the same.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {
@@ -43,8 +43,8 @@ Imath::M44d imath_of(const glm::dmat4& m) {
     return out;
 }
 
-/// Adds standard OpenEXR attributes, in single precision, for other programs. The reader of sample files
-/// ignores them and uses postlens's own attributes, which are in double precision.
+/// Adds standard OpenEXR attributes, in single precision, for other programs. The reader of sample files uses
+/// postlens's own attributes, in double precision.
 void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     const auto add_float = [&](const char* name, double value) {
         out.insert(name, Imf::FloatAttribute(static_cast<float>(value)));

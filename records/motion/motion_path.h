@@ -1,4 +1,4 @@
-// Keyframed motion, prepared so that the pose at the instant of a ray is fast to compute.
+// Keyframed motion, prepared for quick computation of the pose at the instant of a ray.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,15 +9,15 @@
 
 namespace postlens {
 
-/// Interpolates keyframes with the same result as transform_at: rotations by slerp, translations and scales
-/// linearly. The angles between keys, and the inverses of their sines, are computed in advance.
+/// Interpolates keyframes like transform_at: rotations by slerp, translations and scales linearly. The angles
+/// between keys, and the inverses of their sines, are precomputed.
 class MotionPath {
   public:
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position, orientation and scale at one instant. They move a point p to the world position translation
-    /// + rotation * (scale * p).
+    /// Position, orientation and scale at one instant. A point p has the world position translation +
+    /// rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
         glm::dmat3 rotation{1};
@@ -39,8 +39,8 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns the instants, in ascending order, that divide the exposure at keyframes: open_s, the times of
-    /// the keys between open_s and close_s, and close_s.
+    /// Returns the instants that divide the exposure at keyframes, in ascending order, including open_s and
+    /// close_s.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:

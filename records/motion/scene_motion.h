@@ -1,5 +1,5 @@
 // Motion of objects, camera and lights. The header of a sample file stores it, so that poses can be computed
-// for any instant.
+// at any instant.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The rigid motion of all shapes with the same id. `keys` are keyframes. The transform interpolated between
-/// them at an instant converts points from object space to world space.
+/// The rigid motion of all shapes with the same id. Between the keyframes `keys`, the transform from object
+/// space to world space is interpolated.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
     glm::dvec3 centre_m{0};          ///< centre, in the object's space, of a sphere that encloses the object
@@ -20,8 +20,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that lights a moving scene. `place` is its position or direction. If the light has
-/// keyframes (`keys`), their transform is applied to `place`.
+/// A light that moves, or that lights a moving scene. The transform of its keyframes (`keys`), if any,
+/// applies to `place`.
 struct LightMotion {
     bool directional = false;  ///< if true, `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position in m, or direction
@@ -39,11 +39,11 @@ struct SceneMotion {
 };
 
 /// Converts the motion to JSON text, which is empty if nothing moves. motion_of_text() restores exactly the
-/// same values. docs/sample_file.md lists the members of the JSON objects.
+/// same values. docs/sample_file.md lists the members.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads text that motion_text() has written. Throws Error(invalid_input) if the structure of the JSON is
-/// wrong or a value is not valid, for example if times do not increase. The message begins with `source`.
+/// Reads text of motion_text(). Throws Error(invalid_input) if the structure or a value is invalid, for
+/// example if times do not increase. The message begins with `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

@@ -75,8 +75,8 @@ glm::dmat4 read_matrix(const TomlTable& table, double unit) {
     }
     const dvec3 x(m[0]), y(m[1]), z(m[2]);
     const double volume = glm::dot(glm::cross(x, y), z);
-    // A negative determinant means a reflection, which would turn the object inside out. A matrix with
-    // determinant 0 has no inverse, which is needed to convert world positions to object positions.
+    // A negative determinant means a reflection, which would turn the object inside out. A determinant of 0
+    // means that world positions cannot be converted to object positions.
     if (!(volume > 1e-12 * glm::length(x) * glm::length(y) * glm::length(z)) || !std::isfinite(volume)) {
         table.fail_at("matrix",
                       "'matrix' flattens or mirrors (got a determinant of {:g}; expected a positive one)",
@@ -93,8 +93,8 @@ TransformKey read_placement(const TomlTable& table, double unit) {
     return key;
 }
 
-// Throws if an object turns by 180 degrees or more between two keyframes. Slerp always takes the smaller
-// angle, so the object would turn the wrong way.
+// Throws if an object turns by 180 degrees or more between two keyframes. Slerp takes the smaller angle, so
+// the object would turn the wrong way.
 void refuse_half_turns(const TomlTable& from, const TomlTable& to) {
     const auto a = from.number_or_vec3("rotate_degrees"), b = to.number_or_vec3("rotate_degrees");
     const dvec3 step = glm::abs(b.value_or(dvec3(0)) - a.value_or(dvec3(0)));

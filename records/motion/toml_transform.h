@@ -11,26 +11,24 @@
 
 namespace postlens {
 
-/// Returns the accepted range of a length in a file that measures lengths in units of `metres_per_unit`.
+/// Returns the accepted range of a length, in units of `metres_per_unit`.
 [[nodiscard]] NumberRange length_range(double metres_per_unit);
-/// Returns the accepted range of a radius or another extent, for lengths in units of `metres_per_unit`.
+/// Returns the accepted range of a radius or another extent, in units of `metres_per_unit`.
 [[nodiscard]] NumberRange extent_range(double metres_per_unit);
 
-/// Reads a vector and normalises it. Returns an empty value if the key is absent. Throws if the vector has
-/// length 0.
+/// Reads a vector and normalises it. Returns an empty value if the key is absent. Throws if the length is 0.
 [[nodiscard]] std::optional<glm::dvec3> read_direction(const TomlTable& table, std::string_view key);
 
 /// The keys in a TOML table that describe a constant transform.
 inline constexpr std::array<std::string_view, 6> transform_keys{
     "translate_m", "rotate_degrees", "rotate_axis", "quaternion", "scale", "matrix"};
 
-/// Reads a constant transform from a table. It is given either by the keys for translation, rotation and
-/// scale, which are applied as translate * rotate * scale, or by the key `matrix`. Returns the identity if
-/// the table has none of transform_keys.
+/// Reads a constant transform from a table: the key `matrix`, or keys for translation, rotation and scale,
+/// applied as translate * rotate * scale. Returns the identity if there is none of transform_keys.
 [[nodiscard]] glm::dmat4 read_transform(const TomlTable& table, double metres_per_unit);
 
 /// Reads the keyframes in the array `keys` of a table, which must be in order of time. Returns an empty list
-/// if there is no such array. If `rigid` is true, a keyframe with a scale is an error.
+/// if there is no such array. With `rigid`, a scale is an error.
 [[nodiscard]] std::vector<TransformKey> read_motion(const TomlTable& table, double metres_per_unit,
                                                     bool rigid);
 

@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// A keyframe: position, orientation and scale at one instant. Between keyframes, translation and scale are
+/// A keyframe: position, orientation and scale at one instant. In between, translation and scale are
 /// interpolated linearly, and rotation by slerp.
 struct TransformKey {
     double time_s = 0;
@@ -17,8 +17,8 @@ struct TransformKey {
     [[nodiscard]] bool operator==(const TransformKey&) const = default;
 };
 
-/// Returns the transform at an instant, interpolated between keyframes. It is constant before the first
-/// keyframe and after the last.
+/// Returns the transform at an instant, interpolated between keyframes, and constant before the first and
+/// after the last.
 [[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens

@@ -28,8 +28,8 @@ HEIGHT_M = 3  # height of the point light and the spot above the floor
 FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
-# For each kind of light, its power (W, or W/m^2 for the sun) and its rotation about x in degrees. The sun and the spot
-# shine at an angle, which tests the cosine of the angle of incidence as well.
+# For each kind of light, its power (W, or W/m^2 for the sun) and its rotation about x in degrees. The rotated sun and
+# spot also test the cosine of the angle of incidence.
 LIGHTS = {"SUN": (2, 30), "POINT": (1000, 0), "SPOT": (1000, 20)}
 LIMIT = 0.01  # greatest deviation of a ratio from 1
 TIMEOUT_S = 600
@@ -89,7 +89,7 @@ def inside(folder):
         bpy.context.view_layer.update()
         blender_scene.export(os.path.join(folder, kind + ".glb"))
         cosines[kind] = cycles_cosines(source)
-        # Under oblique light, the Principled BSDF of Cycles deviates from Lambert's law, so its Diffuse BSDF is used.
+        # Under oblique light, Cycles' Principled BSDF deviates from Lambert's law, but its Diffuse BSDF does not.
         floor = bpy.data.objects["Floor"].active_material.node_tree
         diffuse = floor.nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)
@@ -135,8 +135,7 @@ def run(command, environment=None):
 
 
 def blender(step, folder):
-    # Blender's Python loads the standard library of the first python3 on the search path. That must be Debian's
-    # python3, which has numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. Debian's python3 has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]

@@ -20,12 +20,12 @@ import sys
 
 RASTER_PX = 512
 MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD scenes require
-# POV-Ray multiplies the diffuse and ambient light of a pigment with `filter` by 1 - T, with the transmittance T. The
-# output divides both by 1 - T to cancel this factor, so T must be below 1.
+# POV-Ray multiplies the diffuse and ambient light of a pigment with `filter` by 1 - T, where T is the transmittance.
+# The output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Coordinates in the file are rounded to six digits, so a corner of a convex polygon may be slightly concave. This is
-# the largest accepted sine of the angle by which the edges turn the wrong way at a corner.
+# Largest accepted sine of the angle by which a convex polygon turns the wrong way at a corner. Rounding of coordinates
+# to six digits may cause such an angle.
 LARGEST_REFLEX = 1e-4
 
 

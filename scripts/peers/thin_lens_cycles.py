@@ -50,8 +50,7 @@ def run(command, log, environment=None):
 
 
 def blender(script, words, log):
-    # Blender's Python loads the standard library of the first python3 on the search path. That must be Debian's
-    # python3, which has numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. Debian's python3 has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
@@ -109,8 +108,8 @@ def compare_picture(name, arguments, folder):
     ours, theirs, stems = [], [], {"ours": [], "theirs": []}
     for number in range(1, arguments.rounds + 1):
         stem = os.path.join(folder, f"{name}.%s.{number}")
-        # The programs take turns in running first. Otherwise the state that the first one leaves behind
-        # (clock rate, caches) would always affect the same program.
+        # The programs take turns in running first. Otherwise, the state left by the first one (clock rate, caches)
+        # would always affect the other.
         for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
             seed = ["--seed", str(number)]
             if whose == "theirs":
@@ -177,8 +176,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). Images of different
-    # rounds would then not be independent, and their difference could not measure the noise.
+    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). Then the difference
+    # of two images could not measure the noise.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 chooses the times of samples from a table of 256 entries. With a box-shaped shutter curve, the times
-# therefore cover only this fraction of the frame. The exposure is corrected for this, unless --whole-frame is given.
+# Cycles 3.4 takes the times of samples from a table of 256 entries. With a box-shaped shutter curve, they cover only
+# this fraction of the frame. The exposure is corrected for it, unless --whole-frame is given.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -157,7 +157,7 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # Blender's aperture has the radius lens / (2 f-number), as in postlens. With blades = 0 it is a disc.
+        # As in postlens, the radius of Blender's aperture is lens / (2 f-number). With blades = 0, it is a disc.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell may be infinitely long along an axis. The coordinate is multiplied by 1 / length, which is then 0.
-    # Blender's Checker Texture node is not used, because it shifts the borders of the cells.
+    # A cell may be infinitely long along an axis, where 1 / length is 0. Blender's Checker Texture node would shift the
+    # borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
