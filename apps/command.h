@@ -42,7 +42,7 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image that the command has made, or its crop (--crop). Empty if the image was written to a file.
+    /// The image that the command has made, cropped if --crop is given. Empty if it was written to a file.
     /// `render --halves` returns two more images, each from half of the samples.
     std::vector<Image> pictures;
     /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Only `focus` and `shoot`
@@ -157,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. `merge` calls it with the command that was divided between machines,
-    /// which then only joins their results (`join`).
+    /// Runs the command line `words`. `merge` uses it to run a divided command again, which then only joins
+    /// the results (`join`).
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -293,7 +293,7 @@ void warn_of_part(const std::string& picture, std::vector<Warning>& out);
                                     const char* option, const char* file);
 
 /// A lens and its focus distance. resolve_lens takes each value from the options, or else from the sample
-/// file. It throws Error(wrong_arguments) if both lack it.
+/// file. It throws Error(wrong_arguments) if neither states the value.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
@@ -310,11 +310,11 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vect
 /// `asked` is relative to the frame's instant. Throws Error(wrong_arguments) if there is no interval.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the aperture or the exposure exceeds what the sample file was traced for.
+/// Warns if the aperture or the exposure interval is larger than those for which the sample file was traced.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Makes an image by reprojecting the records (method hybrid). Rays into the scene of `retrace` fill in what
+/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays fill in what
 /// was not recorded. Warnings of the scene go to `out`. Throws if the scene refers to the output file
 /// `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,

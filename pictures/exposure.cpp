@@ -13,10 +13,10 @@
 namespace postlens {
 namespace {
 
-/// exposure_warning reports an image in which a larger fraction of the pixels is above white.
+/// exposure_warning reports an image if more than this fraction of its pixels is above white.
 constexpr double most_beyond_white = 0.2;
-/// exposure_warning reports an image whose brightest channel is above 0 but below this value, the smallest
-/// step of a linear 8-bit image (1 is white).
+/// exposure_warning reports an image if its brightest channel is above 0 but below this value. This is the
+/// smallest step of a linear 8-bit image, in which 1 is white.
 constexpr float least_of_white = 1.0F / 255;
 
 float largest_channel(const float* rgb) {

@@ -67,8 +67,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
     }
 }
 
-/// The point samples of one row of pixels. Those of pixel x are offsets[x - x_begin] to offsets[x - x_begin +
-/// 1] - 1.
+/// The point samples of one row of pixels. Pixel x has the samples offsets[x - x_begin] to offsets[x -
+/// x_begin + 1] - 1.
 template <typename Sample>
 struct Row {
     Sample* samples = nullptr;
@@ -140,8 +140,8 @@ class PlacedSamples {
 };
 
 /// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y). The corners are
-/// up-left, up-right, down-left, down-right. `above` contains the samples of row y, `below` those of row y +
-/// 1. A pixel with one sample is a single leaf.
+/// up-left, up-right, down-left, down-right. `above` contains the samples of row y, and `below` those of the
+/// next row. A pixel with one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -259,8 +259,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // The leaf lies in quadrant 3 - c around its corner c: down-right (3)
-                                       // of its up-left corner (0).
+                                       // The leaf lies in quadrant 3 - c of its corner c. For example, it
+                                       // lies down-right (3) of its up-left corner (0).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

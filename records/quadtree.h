@@ -63,8 +63,8 @@ struct PixelLeaves {
 };
 void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
 
-/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain rows y and y +
-/// 1.
+/// Computes row y of the pinhole image, for columns x_begin to x_end - 1. `band` must contain row y and the
+/// next row.
 /// A quadtree leaf (undivided cell) has the mean colour of its four corners. A pixel has the mean colour of
 /// its leaves, weighted by area. Sums are in double precision and in a fixed order, so results are
 /// bit-identical on all machines.

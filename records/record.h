@@ -37,8 +37,8 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// Returns true if the path is valid. Of the two bits of each bounce, the value 3 is reserved. 0 marks
-    /// the end of the path, so no bounce may follow.
+    /// Returns true if the path is valid. Each bounce has two bits. The value 3 is reserved, and 0 marks the
+    /// end of the path.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;

@@ -18,8 +18,8 @@ struct RecordChannels {
 /// Positions within a pixel are multiples of 1 / position_steps px, which half floats represent exactly.
 inline constexpr int position_steps = 1024;
 
-/// Returns true if record a comes before record b in a pixel: records are sorted by layer, then by y, x and
-/// path.
+/// Returns true if record a is stored before record b in a pixel. Records are sorted by layer, then by y, x
+/// and path.
 [[nodiscard]] bool canonical_before(const Record& a, const Record& b);
 
 /// Describes the first error in the records of pixel (x, y). Returns null if all of these conditions hold:

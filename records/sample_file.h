@@ -73,7 +73,7 @@ enum class Damage {
 ///
 /// With Damage::salvage, all records are checked when the file is opened. Samples whose rays hit nothing
 /// replace damaged rows (stand_in_for_row). A key (further recorded instant) without undamaged rows is
-/// removed. A damaged header, or too many damaged rows of instant 0 (least_whole_share), are errors.
+/// removed. It is an error if the header or too many rows of instant 0 are damaged (least_whole_share).
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in `least_whole_share` rows must be undamaged. Otherwise, a small
@@ -92,7 +92,8 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image, the others are keys.
+    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image. The others are keys
+    /// (further recorded instants).
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
     /// Returns one summary per scanline of records, from y = -overscan on.
@@ -117,7 +118,7 @@ class SampleFileReader {
     /// Returns the times of the removed keys (further recorded instants), which had only damaged rows.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
     /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
-    /// Damage::salvage: the image can be computed from the records instead.
+    /// Damage::salvage. The image can be computed from the records instead.
     [[nodiscard]] Image picture() const;
     /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

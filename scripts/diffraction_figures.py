@@ -18,7 +18,7 @@ import sys
 
 FOCAL_MM, STOP, FOCUS_M, WAVE_NM, SIZE = 50.0, 4.0, 1.0, 550.0, 241
 # Values of the defocus u (docs/diffraction.md) at which the impulse response is drawn. The intensity on the axis is 0
-# at multiples of 4 pi, with maxima near 6 pi, 10 pi, and so on.
+# at u = 4 pi, 8 pi, and so on. It has maxima near 6 pi, 10 pi, and so on.
 US = [0.0, 2 * math.pi, 4 * math.pi, 6 * math.pi, 8 * math.pi, 50.0, 100.0, 400.0]
 
 PLOT = """

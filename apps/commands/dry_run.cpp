@@ -46,7 +46,7 @@ std::vector<int> spread(int count, int most) {
 }
 
 /// Returns the cost of item i. Its time is interpolated linearly between the two nearest measured items. Its
-/// memory is that of the item that needs more.
+/// memory is the larger of theirs.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -63,7 +63,7 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that can be found without running anything, for example a missing output folder.
+    /// Throws the errors that can be found without running the command, for example a missing output folder.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -193,8 +193,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. Its time is scaled like that of the
-            // middle frame.
+            // This frame was measured only with few samples or views. Its time is scaled by the same factor
+            // as that of the middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -208,8 +208,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. The fixed time is
-    /// measured with one image, the other with several.
+    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. Runs with one
+    /// image and with several images measure both times.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -259,8 +259,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes 1/shares of the rows, so `shares` times as many samples take about as long as `whole`
-        // took.
+        // A task makes 1/shares of the rows. So `shares` times as many samples take about as long as the
+        // measurement `whole`.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -51,8 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // The f-number of the file relates to the film distance, that of `lens` to the focal length. The focus
-    // distance is not compared, because it does not change which hidden surfaces a lens sees.
+    // In the file, the f-number is film distance / aperture diameter. In `lens`, it is focal length /
+    // aperture diameter, so it is converted. The focus distance does not change which hidden surfaces a lens
+    // sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;

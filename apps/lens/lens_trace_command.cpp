@@ -111,8 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Returns the area, in mm^2, through which the entrance pupil transmits light from a point on the axis.
-/// Areas of points off the axis are stated relative to it.
+/// Returns the area of the entrance pupil, in mm^2, that transmits light from a point on the axis. Areas for
+/// points off the axis are stated relative to it.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;

@@ -17,7 +17,8 @@ void list_option(CLI::App& app, const std::string& name, std::vector<int>& to, c
         ->type_name("N,N,...");
 }
 
-/// Throws if an option beside --atlas has no effect there, because each case states its settings.
+/// Throws if --atlas is given with an option that has no effect there. Each case of the atlas states its own
+/// settings.
 void refuse_beside_atlas(const CLI::App& app) {
     constexpr std::array<std::string_view, 7> used{"--atlas", "--output", "--restart",     "--threads",
                                                    "--quiet", "--json",   "--requeue-code"};

@@ -55,7 +55,8 @@ void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absen
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
-/// Throws if one of `options` is given without `other`, because it would have no effect. For callbacks.
+/// Throws if one of `options` is given without `other`, because it would have no effect. To be called in
+/// callbacks.
 void go_with(const CLI::App& app, std::initializer_list<const char*> options, const std::string& other);
 /// Adds --strict, with which a warning changes the exit code.
 void strict_option(CLI::App& app, bool& to);
@@ -66,8 +67,8 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. With `on_axis`, leaves out lens
-/// prescriptions and --cats-eye, which act only off the axis.
+/// Adds --impulse and the other options of the impulse response. With `on_axis`, it is that of a thin lens
+/// for a point on the axis: there are no lens prescriptions and no --cats-eye.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);

@@ -13,7 +13,7 @@ namespace postlens {
 namespace {
 
 // A mark states what the value of an option is, for example the name of an input file. CLI11's options have
-// no field for it, so the name of a validator is the mark.
+// no field for a mark. So a validator carries the mark as its name.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -103,8 +103,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // Options that do not change the result, but only where and how fast it is computed, and which messages
-    // are printed.
+    // These options do not change the result. They change only where and how fast it is computed, and which
+    // messages are printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};

@@ -13,8 +13,8 @@ namespace {
 /// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// Noise is estimated from the difference of two halves of the samples. A single pixel is too inaccurate, so
-/// the noise is averaged over all pixels within this distance along x and y.
+/// The noise is estimated from the difference of two halves of the samples. For a single pixel, this is
+/// inaccurate. So it is averaged over all pixels within this distance along x and y.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 

@@ -60,8 +60,9 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black is
-/// infinity, white is `greatest`. The image is a quarter as wide and high as the frame.
+/// Returns a grey image of inverse depths, in which the page looks up the depth of a clicked pixel. Black
+/// means infinity, and white the inverse depth `greatest`. The image is a quarter as wide and high as the
+/// frame.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));

@@ -69,8 +69,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // Of `plan`, the page needs only the noise (mean squared error) of each tile, a square of the image.
-        // The rest is not sent.
+        // The page needs only the noise (mean squared error) of each tile, a square of the image. The rest of
+        // `plan` is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -89,8 +89,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Runs `focus` or `shoot` on the open sample file `kept`, after other users of this file. Returns the
-/// running time in seconds, without the wait.
+/// Waits until no other request uses the open sample file `kept`, then runs `focus` or `shoot` on it. Returns
+/// the running time in seconds, without the wait.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
@@ -153,8 +153,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method, named `name`, for which causes of error are searched. `auto` becomes `hybrid`, because
-/// both reproject records and trace rays. Empty if there is no such method.
+/// Returns the method whose causes of error are searched. `auto` becomes `hybrid`, because both reproject
+/// records and trace rays. Empty if no method has the name `name`.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -249,8 +249,8 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         check_value(name, value);
         words.push_back(option(name, value));
     }
-    // The image gets the raster, the field of view and the exposure of the frame, so that it can be compared
-    // with it.
+    // The image gets the raster, the field of view and the exposure of the frame, so that the two can be
+    // compared.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {
@@ -333,8 +333,8 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. Unless it is the last image that `picture`
-/// made, the file is opened a second time, so that other requests need not wait.
+/// Returns the image that `picture` makes with these parameters. If it is not the last image of `picture`,
+/// the file is opened a second time, so that other requests need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -50,8 +50,8 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Its
-    /// pixels are as wide as "by" pixels of the frame, a number in the JSON. Refuses the parameters crop and
+    /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). The
+    /// JSON states the width of its pixels, in pixels of the frame, as "by". Refuses the parameters crop and
     /// focus-at, and images of other programs.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image of the scene made by `render`, that is, only by rays, in the format of `picture`.

@@ -73,8 +73,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # One call removes the objects, meshes and the scene: each call searches the whole Blender file for users.
-        # Removing only the scene would need a window.
+        # One call removes the objects, meshes and the scene, because each call searches the whole Blender file for
+        # users. Removing only the scene would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 

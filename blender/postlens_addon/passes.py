@@ -12,8 +12,8 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Pixels within it also
-# serve to estimate light from beyond the margin.
+# Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light from beyond the
+# margin is estimated from pixels within it.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, in px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
@@ -118,8 +118,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender measures the shift of a camera in larger sides of the frame, which the margin may change. So the shift
-        # is converted to widths.
+        # Blender measures the shift of a camera as a fraction of the larger side of the frame, which the margin may
+        # change. So the shift is converted to a fraction of the width.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y

@@ -12,8 +12,8 @@ namespace {
 /// (bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// Run-length encoding of OpenEXR. Equal bytes are stored as their number minus 1, and the byte. Differing
-// bytes are stored as their negated number, and the bytes.
+// Run-length encoding of OpenEXR. A run of equal bytes is stored as its length minus 1, and the byte. A
+// sequence of differing bytes is stored as its negated length, and the bytes.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;

@@ -16,7 +16,7 @@ namespace postlens {
 
 struct FlatExr {
     /// `first` is the channel's value at pixel (0, 0). The next pixel is `pixel_bytes` away, and the next row
-    /// `row_bytes`.
+    /// is `row_bytes` away.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;

@@ -21,7 +21,7 @@ std::vector<std::string> sorted_words(std::string_view name) {
     return out;
 }
 
-/// Returns true for names that libraries give to unnamed parts: "subimage" or "part" with a number.
+/// Returns true for names that libraries give to unnamed parts: "subimage" or "part", followed by a number.
 bool is_number_of_part(const std::string& word) {
     for (const std::string_view stem : {"subimage", "part"}) {
         if (word.size() > stem.size() && word.starts_with(stem) &&
@@ -95,7 +95,7 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     const auto [before, letter] = split_channel(name);
     const std::string last = lower_case(letter);
     const ChannelGroup group = channel_group(file, part, before, depth_words);
-    // Beside channels X and Y, a channel Z is not a depth but a component of a vector.
+    // If there are also channels X and Y, a channel Z is a component of a vector, not a depth.
     const bool has_x =
         p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
     if (last == "z" && (group.has_pass || !has_x)) {
@@ -105,7 +105,7 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))
         return GroupCandidate{group, name, 3};
     if (group.has_pass && last == "r") return GroupCandidate{group, name, 4};
-    // Mitsuba names the depth AOV.T. Beside a channel S, T is a texture coordinate.
+    // Mitsuba names the depth AOV.T. If there is also a channel S, T is a texture coordinate.
     if (letter == "T" && !before.empty() && !p.has(before + "S") && !names_vectors(group.layer))
         return GroupCandidate{group, name, 5};
     return {};

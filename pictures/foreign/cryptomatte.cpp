@@ -37,8 +37,8 @@ std::string shown(const std::string& name) {
 }
 
 /// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. The part
-/// must be flat, and in the separate file for ids, if there is one. Otherwise, it must show the same stereo
-/// view as the colours.
+/// must be flat. It must be in the separate file for ids, if there is one. Otherwise, it must show the same
+/// stereo view as the colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -307,7 +307,7 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
     // Exponents of 0 and 255 stand for zero, denormal, infinite and NaN. Compositors may change the bits of
-    // such floats, so the lowest bit of the exponent is flipped.
+    // such floats, so the lowest bit of these exponents is flipped.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

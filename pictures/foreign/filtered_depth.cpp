@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, a ramp extends
-    /// over several. `mixed` lists the pixels whose depth is a mean of two depths.
+    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp
+    /// extends over several. `mixed` lists the pixels whose depth is a mean of two depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;

@@ -32,8 +32,8 @@ struct ForeignCamera {
     /// Offset of the centre of the display window from the optical axis, to the right and down, on a film at
     /// distance 1. It is nonzero if the lens is shifted.
     double centre_x = 0, centre_y = 0;
-    /// True if neither the file nor the user states the film distance. It is then the user's focal length, or
-    /// the default.
+    /// True if neither the file nor the user states the film distance. The film distance is then the user's
+    /// focal length, or the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
     /// Describes each value that is assumed because neither the file nor the user states it.

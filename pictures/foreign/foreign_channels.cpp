@@ -148,8 +148,8 @@ class Finder {
     }
 
     /// Finds a part that has a channel of exactly this name. The order of search is: the part with the
-    /// colours, parts of the same stereo view, all other parts. A separate file for the pass `use` replaces
-    /// them all.
+    /// colours, parts of the same stereo view, all other parts. If there is a separate file for the pass
+    /// `use`, only that file is searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers candidates in the part of the colours. For Cryptomattes, the part does not
-            // matter, so all get this part.
+            // match_group prefers candidates in the part of the colours. The part of a Cryptomatte does not
+            // matter, so all get the part of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -34,7 +34,7 @@ class ForeignDepths {
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
     /// Repairs depths that were filtered like colours (mend_filtered_depths), then sets the depths of the
-    /// samples of a flat image. `depths` holds the stored depth of each pixel, `covered` its alpha.
+    /// samples of a flat image. `depths` holds the stored depth of each pixel, and `covered` its alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to

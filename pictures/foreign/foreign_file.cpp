@@ -175,7 +175,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // The headers are checked before the OpenEXR library reads them, with no more memory than their size.
+        // The headers are checked before the OpenEXR library reads them. The check needs no more memory than
+        // their size.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -299,7 +300,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // To compute green from luminance, red and blue, one divides by its weight out[1], which must not be 0.
+    // Green is computed from luminance, red and blue by a division by its weight out[1], which must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

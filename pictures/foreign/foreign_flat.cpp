@@ -104,7 +104,7 @@ class ChunkReader {
 
     /// Writes the values of the chunk of rows [y, y_end) to `to`. Returns the end of these values.
     float* expand(int y, int y_end, Band& band, float* to) const {
-        // The library refuses chunks that need more bytes than an uncompressed one.
+        // The OpenEXR library refuses chunks that are larger than uncompressed ones.
         band.packed.resize(static_cast<std::size_t>(rows_per_chunk(compression_)) * row_bytes_);
         auto bytes = static_cast<int>(band.packed.size());
         in_.rawPixelDataToBuffer(y, reinterpret_cast<char*>(band.packed.data()), bytes);

@@ -43,8 +43,7 @@ inline constexpr double opaque_transmittance = 1e-3;
 /// as a float. The floats 0, -0 and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, as its Cryptomatte states or because its depth is a mean of two
-/// depths.
+/// A pixel that shows several surfaces. Its Cryptomatte says so, or its depth is a mean of two depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -73,11 +72,11 @@ struct ForeignPicture {
     std::vector<StackSample> samples;  ///< from near to far within each stack
     /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
     /// of the pixel that each surface covers, the largest first. The sample of a mixed pixel has the id of
-    /// the largest. Fractions below 1 % in a Cryptomatte are omitted.
+    /// the surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// 1 for each stored pixel with known empty space behind its samples, as an image of `lay_behind` shows,
-    /// else 0. Empty if there is no such pixel.
+    /// 1 for each stored pixel with empty space behind its samples, else 0. An image of `lay_behind` shows
+    /// this empty space. The list is empty if there is no such pixel.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;

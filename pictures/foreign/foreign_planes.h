@@ -24,8 +24,8 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
 
 /// Returns the values of a channel for all pixels of the part `onto`, row by row. With `converts`, integers
 /// are converted to floats. Throws Error(out_of_memory).
-/// Pixels that `part` does not store get the value `otherwise`. But beyond the border of the display window,
-/// they get the nearest value.
+/// Pixels that `part` does not store get the value `otherwise`. Beyond the border of the display window, they
+/// get the nearest stored value instead.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -44,8 +44,8 @@ class JoinedChannels {
 
     /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
     /// empty name. The same channel with the same use keeps its index.
-    /// Pixels that the part does not store get the value `otherwise`. Channels of the constructor's part are
-    /// read by `read`, all others at once.
+    /// Pixels that the part does not store get the value `otherwise`. `read` reads the channels of the
+    /// constructor's part, and this function all others.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

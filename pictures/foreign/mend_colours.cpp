@@ -11,8 +11,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the sample with the mean colour of its finite neighbours, or empty if there are none. x and y
-/// count from the first stored pixel.
+/// Returns the sample `s` of pixel (x, y) with the mean colour of the pixel's finite neighbours, or empty if
+/// there are none. x and y count from the first stored pixel.
 std::optional<StackSample> mean_around(const ForeignPicture& p, StackSample s, int x, int y) {
     const int width = p.x_end - p.x_begin, height = p.y_end - p.y_begin;
     std::array<double, 3> sum{};

@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// The contents of an image header. `full_` marks the display window. x, y, width and height describe the
-/// data window.
+/// The contents of an image header. Members that begin with `full_` describe the display window. x, y, width
+/// and height describe the data window.
 struct PictureLayout {
     int width = 0, height = 0, depth = 0;
     int x = 0, y = 0;

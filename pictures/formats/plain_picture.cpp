@@ -64,7 +64,7 @@ class ExrReader : public PictureReader {
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Values may be nonlinear if a file has one of these attributes, so it is refused.
+    // Values may be nonlinear if a file has one of these attributes, so such files are refused.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }

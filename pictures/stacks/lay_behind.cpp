@@ -17,8 +17,8 @@ namespace {
 /// Two inverse depths that differ by at most this relative amount count as equal. Rounding to half floats
 /// causes such differences.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image is nearer than the front image only by more than this fraction of its distance.
-/// Smaller differences are noise in the depths.
+/// A sample of the back image counts as nearer if it is nearer than the front image by more than this
+/// fraction of its distance. Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -74,9 +74,9 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 
 /// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
 /// images.
-/// If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise the
-/// result is `front`: the front image may be cut off there, and the back image would show in place of its
-/// missing objects.
+/// If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise, it may
+/// be cut off at `front`. Then `front` is returned, because the back image would show in place of missing
+/// objects of the front image.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }

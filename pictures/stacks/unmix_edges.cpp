@@ -133,8 +133,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // The weight of a pixel is 1 / squared distance. Among mixed pixels (`pure` is false) is the
-            // pixel itself, at distance 0. Adding 0.5 prevents a division by 0.
+            // The weight of a pixel is 1 / squared distance. If mixed pixels are searched (`pure` is false),
+            // the pixel itself is one of them, at distance 0. Adding 0.5 prevents a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);

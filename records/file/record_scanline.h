@@ -26,13 +26,13 @@ class ScanlineBytes {
 
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Packs the records of scanline y. In `records`, those of pixel x_begin + i are offsets[i] to offsets[i
-    /// + 1] - 1. Their positions must lie in this pixel.
+    /// Packs the records of scanline y. Those of pixel x_begin + i have the indices offsets[i] to offsets[i +
+    /// 1] - 1. Their positions must lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
     /// Computes the index of each pixel's first record from the stored record counts. `offsets` has width + 1
-    /// entries: the first becomes 0, the last the total count. Returns false if the counts decrease, or if
-    /// the total is not the number given to `prepare`.
+    /// entries: the first becomes 0, and the last the total count. Returns false if the counts decrease, or
+    /// if the total is not the number given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. Without a
     /// channel for W, W is the identity divided by z'. Without their channels, the layer, w_bend and the mark

@@ -33,8 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// Converts a glm matrix to an OpenEXR matrix. glm stores columns of a matrix for column vectors, OpenEXR
-/// rows of its transpose. So the order of the numbers is the same.
+/// Converts a glm matrix to an OpenEXR matrix. glm stores columns of a matrix for column vectors. OpenEXR
+/// stores rows of its transpose. So the order of the numbers is the same.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {

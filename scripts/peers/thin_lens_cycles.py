@@ -50,7 +50,8 @@ def run(command, log, environment=None):
 
 
 def blender(script, words, log):
-    # Blender's Python loads the standard library of the first python3 on the search path. Debian's python3 has numpy.
+    # Blender's Python loads the standard library of the first python3 on the search path. It must be Debian's python3,
+    # which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
     quiet = ["-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
