@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. 20 to 40 minutes on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, in 20 to 40 minutes on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
 #   BUILD  a built folder (default: build/release)
-#   DIR    where the pages and pictures go (default: build/charts); what is finished there is not measured again
+#   DIR    folder of the pages and pictures (default: build/charts); finished results in it are kept
 #
-# Nothing else should run on the machine meanwhile: the charts are of seconds.
+# Nothing else should run on the machine, because times are measured.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fails, and says where, when a C++ file of the project is not formatted as .clang-format says.
+# Fails, and prints the places, if a C++ file is not formatted according to .clang-format.
 #
 #   scripts/check_format.sh [--fix]
 #

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Installs the Debian 12 packages that postlens is built and checked with, those of them that are missing.
-# A machine that has them needs neither a network nor root.
+# Installs the missing ones of the Debian 12 packages with which postlens is built and checked. If none is missing, the
+# script needs neither a network nor root.
 #
 #   scripts/install_dependencies.sh [--for build|checks|cpus|peers|fuzzing] [--list]
 #
 #   --for build    what building, running and testing need
-#   --for checks   that and the tools of scripts/test.sh's checks (default)
+#   --for checks   what building needs, and the tools of the checks in scripts/test.sh (default)
 #   --for cpus     what scripts/check_instruction_sets.sh and scripts/check_aarch64.sh need beside the program
-#   --for peers    what `checks` needs, and the programs that postlens works inside of or beside
+#   --for peers    what `checks` needs, and the programs with which postlens works (Blender, Slurm)
 #   --for fuzzing  what building needs, and the compiler of scripts/fuzz.sh
 #   --list         print the packages and install nothing
 set -euo pipefail

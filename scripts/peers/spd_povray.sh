@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whole SPD pictures in POV-Ray 3.7 and in postlens, in turns: seconds, and the rays that each traced for them.
+# Traces SPD pictures with POV-Ray 3.7 and postlens by turns, and prints the time and the number of rays of both.
 #
 #   scripts/peers/spd_povray.sh NFF BUILD [--rounds N] [--published CSV]
 #
@@ -8,7 +8,8 @@
 #   --rounds N       timed runs of each program and scene (default: 5)
 #   --published CSV  published ray counts (default: NFF/../tables/spd_published_ray_counts.csv, where it exists)
 #
-# 513 x 513 corner rays, depth 5, no antialiasing, no file, both programs on the same two processors.
+# Both programs trace 513 x 513 rays through pixel corners to depth 5, without antialiasing and without writing a file,
+# on the same two processors.
 set -euo pipefail
 export LC_ALL=C # so that EPOCHREALTIME has a decimal point
 
