@@ -315,8 +315,7 @@ void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vec
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
 /// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays fill in what
-/// was not recorded. Warnings of the scene go to `out`. Throws if the scene refers to the output file
-/// `picture`.
+/// was not recorded. Throws if the scene refers to the output file `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);

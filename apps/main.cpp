@@ -80,8 +80,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Signals cancel the job `process`, and with it the command. It is static, because a signal may arrive
-    // after main() has returned. It needs only one thread, because run() makes another job for the command.
+    // Signals cancel this job, and with it the command. It is static, because a signal may arrive after
+    // main() has returned. run() makes another job with more threads.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // By default, these signals would end the program silently. When they are ignored, the failed write

@@ -24,9 +24,8 @@ struct OpenFrame {
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Returns a lock that the caller must hold while it uses the open file. Returns an empty lock if `kept`
-    /// is null. Waits for other threads, and throws Error(interrupted) if the current job is cancelled
-    /// meanwhile.
+    /// Returns a lock that the caller must hold while it uses the open file. The lock is empty if `kept` is
+    /// null. Throws Error(interrupted) if the current job is cancelled while it waits for the lock.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
     /// Returns the file, read at the given exposure. Opens it again if the exposure has changed.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);

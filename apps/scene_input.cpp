@@ -7,8 +7,8 @@
 namespace postlens {
 namespace {
 
-// Returns the metres per unit or the lumens per watt of a scene: the user's value `asked`, else the file's
-// value `of_trace`, else 1. Throws if they differ, because traced rays would not agree with the records.
+// Returns a unit of a scene (metres per unit or lumens per watt): the user's value `asked`, else the file's
+// value `of_trace`, else 1. Throws if the two differ, because traced rays would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {

@@ -15,9 +15,9 @@ namespace postlens {
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. The units
-/// default to those of the file. Throws Error(wrong_arguments) if they differ from those of the file, and the
-/// errors of read_scene_of_command.
+/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. Throws
+/// Error(wrong_arguments) if a given unit differs from that of the file, and the errors of
+/// read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

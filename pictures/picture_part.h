@@ -11,8 +11,7 @@
 namespace postlens {
 
 /// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can be joined with
-/// others. The file contains exactly the values of the image. Its header contains the exposure and `mark`, a
-/// JSON object of the caller.
+/// others. The file contains the exact values, the exposure, and `mark`, a JSON object of the caller.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {

@@ -31,10 +31,10 @@ class PixelPlaces {
 };
 
 /// Appends the x positions of the lower left corners of all quadtree leaves (undivided cells) at the lower
-/// edge of a pixel. u is the left edge of the current cell, and `size` its width. A cell with a sample at its
-/// centre is subdivided.
+/// edge of a pixel. u is the left edge of the current cell, and `size` its width.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
+    // A cell is subdivided if it has a sample at its centre.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

@@ -19,10 +19,10 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are records of rays that hit nothing.
-/// They lie at the upper left corner of each pixel, and at corners of the cells of the pixel above. `above`
-/// contains that row, or is null if it is lost or does not exist. `offsets` receives the index of each
-/// pixel's first record, as in RecordBand::offsets.
+/// are records of rays that hit nothing, at the upper left corner of each pixel and at corners of the cells
+/// above it.
+/// `above` contains the row above, or is null if it is lost or does not exist. `offsets` receives the index
+/// of each pixel's first record, as in RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 

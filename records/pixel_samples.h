@@ -9,17 +9,16 @@
 namespace postlens {
 
 /// A point sample (one eye ray) of a pixel. The weights of all samples of a pixel add up to 1. `nodes` lists
-/// the surfaces that the ray and its reflections and refractions hit, the primary hit first, and then hidden
-/// surfaces.
+/// the surfaces that the ray and its reflections and refractions hit, then hidden surfaces.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;
     std::vector<Record> nodes;
 };
 
-/// Returns the samples that contribute to pixel (x, y), sorted by y, then by x. They lie at the corners of
-/// the pixel and, if it is subdivided, also on its sides and inside. Throws Error(wrong_arguments) if the
-/// pixel is not recorded.
+/// Returns the samples that contribute to pixel (x, y), sorted by y, then by x. They lie at its corners and,
+/// if it is subdivided, also on its sides and inside. Throws Error(wrong_arguments) if the pixel is not
+/// recorded.
 [[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y,
                                                      std::size_t instant = 0);
 

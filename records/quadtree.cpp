@@ -90,8 +90,8 @@ template <typename Sample>
 class PlacedSamples {
   public:
     /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
-    /// `above` contains the samples of row y, `below` those of row y + 1. Returns false if the pixel is more
-    /// finely subdivided than the table.
+    /// `above` contains the samples of row y, and `below` those of the next row. Returns false if the pixel
+    /// is more finely subdivided than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -141,7 +141,7 @@ class PlacedSamples {
 
 /// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y). The corners are
 /// up-left, up-right, down-left, down-right. `above` contains the samples of row y, and `below` those of the
-/// next row. A pixel with one sample is a single leaf.
+/// next row.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {

@@ -155,8 +155,8 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the time as a linear function of the number of samples or views, from two runs. Their numbers
-    /// are doubled until the two times clearly differ, or the full number is reached.
+    /// Predicts the time as a linear function of the number of samples or views. It is measured for two
+    /// numbers, which are doubled until the two times clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;

@@ -26,9 +26,8 @@ struct DryRun {
     int amount = 0;
 };
 
-/// Predicts the time and memory of each task, and returns them as JSON. It measures small versions of the
-/// command in separate processes, which write only to a temporary folder. Throws the error of a run that
-/// fails.
+/// Predicts the time and memory of each task, and returns them as JSON. Measures small versions of the
+/// command in separate processes, which write only to a temporary folder.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

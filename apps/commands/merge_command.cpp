@@ -96,8 +96,7 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the files of an image that was divided by samples. First checks the descriptions of all files. Then
-/// adds their sums of radiance in the order of the shares, one file at a time.
+/// Joins the files of an image that was divided by samples. Only one file at a time is in memory.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;
@@ -113,6 +112,7 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
         return *std::move(part);
     };
     RenderState sum;
+    // First checks the descriptions of all files, without reading their sums of radiance.
     for (const std::string& name : names) {
         const RenderPart part = read(name, true);
         PartFacts facts{name, Json::parse(part.mark, nullptr, false), {}};

@@ -17,16 +17,16 @@ double degrees(double tangent) {
 }
 
 // Returns the tangent of the largest field angle at which rays are drawn. It follows from the film width, or
-// else from the field angles in the prescription. The default of 0.36 is that of a 36 mm wide film and a 50
-// mm lens. The angle is reduced until light passes through the lens.
+// else from the field angles in the prescription.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
-    double tangent = 0.36;
+    double tangent = 0.36;  // of a 36 mm wide film and a 50 mm lens
     if (!lens.field_angles_deg.empty()) {
         double widest = 0;
         for (const double deg : lens.field_angles_deg) widest = std::max(widest, std::abs(deg));
         tangent = std::tan(std::min(widest, 80.0) * std::numbers::pi / 180);
     }
     if (film_width_mm) tangent = 0.5 * *film_width_mm / traced.first_order().efl_mm;
+    // Reduces the angle until light passes through the lens.
     PupilMesh mesh;
     for (int step = 0; step < 8 && !traced.impulse(HUGE_VAL, {0, tangent}, 16, mesh); ++step) tangent *= 0.8;
     return tangent;

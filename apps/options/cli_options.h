@@ -67,8 +67,8 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. With `on_axis`, it is that of a thin lens
-/// for a point on the axis: there are no lens prescriptions and no --cats-eye.
+/// Adds --impulse and the other options of the impulse response. With `on_axis`, leaves out lens
+/// prescriptions and --cats-eye: the point then lies on the axis of a thin lens.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);

@@ -12,7 +12,7 @@
 namespace postlens {
 
 /// These functions mark an option whose value contains a file name, such as `image:FILE`, and return the
-/// option. Each such option of a command that writes files must be marked, because files_of finds no others.
+/// option. files_of finds only marked options.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);

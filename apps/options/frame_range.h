@@ -15,8 +15,8 @@ namespace postlens {
 /// kept, and no number may occur twice. Throws Error(wrong_arguments), which names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
-/// A file name with placeholders for the frame number: %d, or for example %04d for 4 digits with leading
-/// zeros. If there is none and `hashes` is set, a run of # in the last part of the path is the placeholder.
+/// A file name with placeholders for the frame number, such as %d or %04d (4 digits with leading zeros).
+/// Without them, if `hashes` is set, a run of # in the last part of the path is the placeholder.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);

@@ -13,9 +13,8 @@ namespace postlens {
 /// - For a sample file, it is the brightest surface that the pinhole sees in the pixel.
 /// - For another program's image, it is the first surface at which the accumulated alpha reaches one half.
 struct ImageDepths {
-    /// Inverse of the focus distance, in 1/m, at which the surface is sharp. If a curved mirror forms the
-    /// surface's image at two distances (astigmatism), it is the mean of both inverses. It is negative for
-    /// some reflections on which no lens can focus.
+    /// Inverse of the focus distance, in 1/m, at which the surface is sharp. With astigmatism (in curved
+    /// mirrors), it is the mean of two inverses. Negative if no lens can focus on the surface.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };

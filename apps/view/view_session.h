@@ -64,9 +64,9 @@ class ViewSession {
     /// 1/m). See ImageDepths.
     [[nodiscard]] ViewReply depths();
     /// Returns the cause of each pixel's error in the image that `picture` returns for the same parameters.
-    /// The error is the difference to a ray-traced reference (find_error_causes).
-    /// The body is JSON as in `picture`, then one byte per pixel: the number of its ErrorCause. The JSON
-    /// lists the causes in this order, with "name", "colour" (sRGB) and "error_share".
+    /// The error is the difference to a ray-traced reference (find_error_causes). The body consists of:
+    /// - JSON as in `picture`, with a list of all causes: "name", "colour" (sRGB) and "error_share"
+    /// - one byte per pixel: the index of its cause in this list
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();

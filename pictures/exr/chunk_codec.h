@@ -21,9 +21,9 @@ enum class ChunkCompression : std::uint8_t { none = 0, rle = 1, zips = 2, zip = 
 /// Returns the number of scanlines per chunk: 16 for zip, otherwise 1.
 [[nodiscard]] int rows_per_chunk(ChunkCompression compression);
 
-/// Compresses and expands chunks like OpenEXR. Bytes at even and odd positions are separated, and replaced by
-/// differences of neighbours. The result is encoded as run lengths or as a zlib stream. Each thread needs its
-/// own object, which has scratch memory.
+/// Compresses and expands chunks like OpenEXR: first separates bytes at even and odd positions, then takes
+/// their differences, then encodes run lengths or a zlib stream. Each thread needs its own object, which has
+/// scratch memory.
 class ChunkCodec {
   public:
     ChunkCodec();

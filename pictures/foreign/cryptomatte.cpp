@@ -36,9 +36,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. The part
-/// must be flat. It must be in the separate file for ids, if there is one. Otherwise, it must show the same
-/// stereo view as the colours.
+/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. It must
+/// be flat. It must be in the separate file for ids or, without such a file, show the same stereo view as the
+/// colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;

@@ -45,10 +45,9 @@ struct ForeignCamera {
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
-/// Returns the tangent of half the horizontal angle of view, computed from OpenEXR's worldToCamera and
-/// worldToNDC. Returns empty if they are not a perspective projection.
-/// NDC (normalised device coordinates) may run from 0 to 1 across the image, as OpenEXR specifies, or from -1
-/// to 1.
+/// Returns the tangent of half the horizontal angle of view, from OpenEXR's worldToCamera and worldToNDC.
+/// Returns empty unless they are a perspective projection. NDC (normalised device coordinates) may run from 0
+/// to 1, as OpenEXR specifies, or from -1 to 1.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

@@ -147,9 +147,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part that has a channel of exactly this name. The order of search is: the part with the
-    /// colours, parts of the same stereo view, all other parts. If there is a separate file for the pass
-    /// `use`, only that file is searched.
+    /// Finds a part that has a channel of exactly this name. First searches the part with the colours, then
+    /// parts of the same stereo view, then all others. If there is a separate file for the pass `use`,
+    /// searches only that file.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;

@@ -34,9 +34,8 @@ struct StackSample {
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
-/// is opaque.
-/// A stack that ends with an opaque sample yields at most opaque_transmittance, because the scene behind it
-/// is unknown. With `is_nothing_behind`, it is known to be empty, and the result is 1.
+/// is opaque. If the last sample is opaque, the scene behind it is unknown, and the result is at most
+/// opaque_transmittance. With `is_nothing_behind`, the scene there is empty, and the result is 1.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
@@ -71,8 +70,8 @@ struct ForeignPicture {
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
     /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
-    /// of the pixel that each surface covers, the largest first. The sample of a mixed pixel has the id of
-    /// the surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
+    /// of the pixel that each surface covers, the largest first. It determines the id of the pixel's sample.
+    /// Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     /// 1 for each stored pixel with empty space behind its samples, else 0. An image of `lay_behind` shows

@@ -20,11 +20,10 @@ class MatteShares {
     /// `onto` is the part with the colours. The fractions are determined for its pixels.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller reads them
-    /// together with the colours, to decompress the part only once. It passes each row to `take`, from top to
-    /// bottom.
-    /// The ranks (surfaces of a pixel) must be read in order. So the result is empty if `part` lacks the
-    /// first rank, and `finish` then reads all ranks.
+    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller reads both
+    /// together, and passes each row to `take`, from top to bottom.
+    /// If `part` lacks the first rank (surfaces of a pixel), the result is empty, because ranks must be read
+    /// in order. `finish` then reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the values of `count` adjacent pixels, from the index `pixel` on. values[c] points to those
     /// of channel c. `picture` must have the samples of these pixels.

@@ -18,9 +18,8 @@ struct MendedColours {
     std::size_t by_black = 0;  ///< by black
 };
 
-/// Replaces colours that are not finite. In a flat image, they become the mean of the finite neighbours. In a
-/// deep image, or without such neighbours, they become black. The means use only original colours, so the
-/// order of the pixels does not matter.
+/// Replaces colours that are not finite. In a flat image, they become the mean of the finite original
+/// neighbours. In a deep image, or without such neighbours, they become black.
 MendedColours mend_colours(ForeignPicture& picture);
 
 }  // namespace postlens

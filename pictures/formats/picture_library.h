@@ -1,8 +1,8 @@
 // Interface to OpenImageIO, which reads and writes all image formats except OpenEXR and PNG.
 //
-// OpenImageIO can depend on two hundred other libraries and take 0.3 s to load. So this project's programs
-// load it when they need it, by linking loaded_picture_library.cpp. Programs that use the installed libraries
-// link OpenImageIO directly (linked_picture_library.cpp).
+// OpenImageIO can depend on two hundred other libraries and take 0.3 s to load. So the programs of this
+// project load it only when they need it (loaded_picture_library.cpp). Other programs link it
+// (linked_picture_library.cpp).
 #pragma once
 
 #include <cstdint>

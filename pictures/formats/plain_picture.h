@@ -10,15 +10,15 @@
 
 namespace postlens {
 
-/// Opens a PNG file that open_plain_png accepts, or a plain OpenEXR file. Returns null for all other files,
-/// including damaged ones. check_exr_headers must have accepted an OpenEXR file before.
+/// Opens a PNG file that open_plain_png accepts, or a plain OpenEXR file that check_exr_headers has accepted.
+/// Returns null for all other files, including damaged ones.
 /// In a plain OpenEXR file, the first part is flat and states no colour space. Its channels are half or
 /// float: R, G, B or only Y, with or without alpha. The values are those that OpenImageIO reads.
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_picture(const std::filesystem::path& path);
 
 /// Opens a PNG file that is grey or RGB with 8 bits per channel, or has a palette. Returns null for other
-/// files, and for transparency, an offset, a colour profile or a gamma that is not that of sRGB. `bytes` must
-/// outlive the reader.
+/// files, and if there is transparency, an offset, a colour profile or a gamma other than that of sRGB.
+/// `bytes` must outlive the reader.
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_png(std::string_view bytes);
 
 }  // namespace postlens

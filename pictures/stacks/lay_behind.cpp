@@ -73,10 +73,9 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
 }
 
 /// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
-/// images.
-/// If front > 0, the front image is complete there, and the smaller of the two is returned. Otherwise, it may
-/// be cut off at `front`. Then `front` is returned, because the back image would show in place of missing
-/// objects of the front image.
+/// images. If the front image ends inside the raster (front > 0), nothing of it is missing, and the smaller
+/// of the two is returned. Otherwise, the back image must not show in place of missing objects of the front
+/// image.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }

@@ -90,8 +90,8 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
 }
 
 /// Chooses which samples of a stack (the samples of a pixel) belong to an object that covers a given fraction
-/// of the pixel. Only samples at the depth of the nearest sample are chosen. A sample that covers too much is
-/// divided in two. One MaskedStack serves all pixels, to avoid allocations.
+/// of the pixel. A sample that covers too much is divided in two. One MaskedStack serves all pixels, to avoid
+/// allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -116,8 +116,8 @@ class MaskedStack {
 
   private:
     /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
-    /// Returns the fraction that is still to be covered. All samples are at the depth of the nearest one, as
-    /// parts of one surface.
+    /// Returns the fraction that is still to be covered. Only samples at the depth of the nearest one count,
+    /// as parts of one surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
