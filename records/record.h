@@ -72,7 +72,7 @@ struct RecordMark {
     /// cells have their smallest allowed size.
     static constexpr std::uint8_t fine_texture = 1;
     /// This sample and its neighbours show separate parts of one object, with a possible gap between them. Or
-    /// a part of a mesh lies between the samples, which do not show it.
+    /// a part of a mesh lies between the samples, and none of them shows it.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -91,8 +91,8 @@ struct Record {
     /// At R metres from the centre of the lens, the image is misplaced by about (film distance / pixel pitch)
     /// * w_bend * R^2 px.
     ///
-    /// 0 if W is exact or its error was not measured. Infinite if other lens points do not see the node along
-    /// this path. Files store it as a half float.
+    /// The value is 0 if W is exact or its error was not measured. It is infinite if other lens points do not
+    /// see the node along this path. Files store it as a half float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

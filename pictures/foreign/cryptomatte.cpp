@@ -36,9 +36,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. It must
-/// be flat. It must be in the separate file for ids or, without such a file, show the same stereo view as the
-/// colours.
+/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. If there
+/// is a separate file for ids, only its flat parts may. Otherwise, only flat parts of the same stereo view
+/// may.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;

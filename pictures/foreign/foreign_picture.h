@@ -70,8 +70,8 @@ struct ForeignPicture {
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
     /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
-    /// of the pixel that each surface covers, the largest first. It determines the id of the pixel's sample.
-    /// Fractions below 1 % in a Cryptomatte are omitted.
+    /// of the pixel that each surface covers, the largest first. The largest determines the id of the pixel's
+    /// sample. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     /// 1 for each stored pixel with empty space behind its samples, else 0. An image of `lay_behind` shows

@@ -175,8 +175,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. The summary of a row waits for the next row
-/// of records, because it contains the checksum of an image row that depends on both.
+/// Completes an instant by writing the summary of its last row. Summaries are written one row late: they
+/// contain the checksum of an image row, which also depends on the next row of records.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
