@@ -34,8 +34,7 @@ Level coarser(const Level& fine) {
     return out;
 }
 
-/// Returns the colour of the coarser pyramid level at the centre of pixel (x, y) of the finer level,
-/// interpolated bilinearly.
+/// Bilinearly interpolates the coarse level at the centre of pixel (x, y) of the next finer level.
 void sample(const Level& coarse, int x, int y, float* rgb) {
     const int x0 = (x & 1) != 0 ? x / 2 : x / 2 - 1, y0 = (y & 1) != 0 ? y / 2 : y / 2 - 1;
     const float fx = (x & 1) != 0 ? 0.25F : 0.75F, fy = (y & 1) != 0 ? 0.25F : 0.75F;
@@ -67,8 +66,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // In the finest level, weights above 0 are set to 1, so that known pixels keep their colours. Pixels of
-    // weight 0 are set to black, because their colours may be infinite or NaN.
+    // Known pixels get weight 1, so that they keep their colours. Unknown colours may be infinite or NaN, so
+    // they are set to black.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

@@ -7,10 +7,8 @@
 
 namespace postlens {
 
-/// Replaces the colours of pixels whose weight is 0, by pull-push interpolation [gortler1996, sec. 3.5]. In
-/// an image pyramid, each level is the weighted mean of the next finer level. A pixel of weight 0 gets its
-/// colour from the finest level that has a weight above 0 there. All other pixels keep their colours. If all
-/// weights are 0, the image becomes black.
+/// Fills pixels of weight 0 from the other pixels, by pull-push interpolation on an image pyramid
+/// [gortler1996, sec. 3.5]. If all weights are 0, the image becomes black.
 void fill_gaps(Image& image, const std::vector<float>& weight);
 
 }  // namespace postlens

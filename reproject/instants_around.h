@@ -11,9 +11,9 @@ struct InstantShare {
     double share = 1;
 };
 
-/// Returns the recorded instants just before and just after `time_s`, in this order. Their shares are the
-/// weights of linear interpolation in time. If `time_s` lies before the first or after the last recorded
-/// instant, returns only the nearest one. `instants_s` must have at least one element and may have any order.
+/// Returns the recorded instants just before and just after `time_s`, with their weights for linear
+/// interpolation. Outside the recorded interval, returns only the nearest instant. `instants_s` must not be
+/// empty, and may have any order.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A substitute for the ray tracer, whose rays return black. It is used to find out which samples would be
-/// replaced by rays, without tracing these rays.
+/// A ray tracer whose rays return black. With it, a caller finds out which samples need rays without tracing
+/// them.
 class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

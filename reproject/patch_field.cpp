@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether the current piece (square of the image) shows so many patches (planar parts of surfaces) by
-    /// reflection or transmission that rays are faster. Empty until it is computed.
+    /// Whether rays are faster than drawing this piece's reflected and transmitted patches (planar parts of
+    /// surfaces). Empty until computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -41,13 +41,11 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// The user's cancellation is tested once for this many views (images for one lens point each). A tile can
-/// have thousands of views, so one test per tile would be too rare.
+/// Number of views between two tests whether the user has cancelled. A tile may have thousands of views.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, rays may replace all samples with reflections or refractions. They do so if the
-/// records were insufficient for more than half of these samples so far. Tracing all of them is then faster
-/// than drawing the rest from records.
+/// After this many views, the program decides whether rays replace all samples with reflections or
+/// refractions. Rays are faster if the records lack more than half of these samples.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -70,8 +68,7 @@ class Field {
 
     void draw(std::span<PatchPicture> out) {
         const int tiles = bins_.columns() * bins_.rows();
-        // Each tile is divided into pieces (smaller squares), which are separate tasks. A few tiles often
-        // take most of the time.
+        // A few tiles often take most of the time. So each tile is divided into smaller tasks.
         const int along = SeenTile::edge / field_.piece_px, per_tile = along * along;
         const auto tasks = static_cast<std::size_t>(tiles) * static_cast<std::size_t>(per_tile);
         Progress progress("views", tasks);
@@ -86,8 +83,7 @@ class Field {
     }
 
   private:
-    /// Draws one piece (square part) of a tile. (x, y) is the piece's upper left corner, in px from the
-    /// tile's corner.
+    /// Draws a square part of a tile. (x, y) is its upper left corner, in px from the tile's corner.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -106,8 +102,8 @@ class Field {
         }
     }
 
-    /// Collects the patches (planar parts of surfaces) that may appear in the rectangle `rect` of a tile,
-    /// unless an earlier call has done so. `rays` is the ray tracer that the views use, or null.
+    /// Collects, once per piece, the patches (planar parts of surfaces) that may appear in `rect`. `rays` may
+    /// be null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -202,8 +198,8 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// Looks up the motions of a tile's patches (nearly planar parts of surfaces), from the recorded instant
-    /// to the instant of one view.
+    /// The motion of each patch (planar part of a surface) of a tile, from the recorded instant to the view's
+    /// instant.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -256,8 +252,8 @@ class Field {
         }
     }
 
-    /// Clears the pixels in which an object from outside the recorded part of the raster may hide the
-    /// recorded surface.
+    /// Clears the pixels in which an unrecorded object beyond the raster's border may hide the recorded
+    /// surface.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -279,8 +275,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Recorded surfaces may hide highlights whose light reaches the tile (`lights`). They are then drawn
-        // even if rays replace all samples of the tile.
+        // Surfaces may hide highlights. So with highlights, surfaces are drawn even if rays replace all
+        // samples.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -309,8 +305,8 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // A view can be made from two recorded instants. If both show the same surface in a pixel, their
-        // colours are blended. Otherwise only the nearer surface counts.
+        // If both recorded instants show the same surface in a pixel, their colours are blended. Otherwise
+        // the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -325,8 +321,7 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. Only for views that are made from a single recorded instant,
-    /// and whose lens transmits light to all pixels (`passes` is empty).
+    /// Adds all pixels of a view to the sums. The view must use one recorded instant and have no `passes`.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -334,8 +329,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds those pixels of a view that come from its recorded instant `u`. Unlike add_all, this function
-    /// also handles views with two recorded instants, and pixels to which the lens transmits no light.
+    /// Like add_all, but adds only the pixels that come from recorded instant `u`. Pixels to which the lens
+    /// transmits no light add black.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;

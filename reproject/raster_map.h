@@ -1,5 +1,5 @@
-// Motion in raster coordinates. A 4x4 matrix describes the rigid motion of an object and the camera. It maps
-// the raster position and depth of a point at one instant to those at another instant.
+// Rigid motion in raster coordinates: a 4x4 matrix maps a point's raster position and depth from one instant
+// to another.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-/// A point of the raster with its inverse depth in 1/m. An inverse depth of 0 means infinitely far.
+/// A point of the raster with its inverse depth, in 1/m. An inverse depth of 0 is infinitely far.
 struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
@@ -27,9 +27,9 @@ struct RasterTangent {
     double bend_px = 0;      ///< approximate second-order error at distance `reach`, px
 };
 
-/// Maps raster positions with their depths z'. For a perspective camera, the map is a matrix on homogeneous
-/// coordinates (x, y, 1, 1/z'), which include points at infinity. For an orthographic camera, the map is a
-/// matrix on (x, y, z', 1), and points at infinity do not move.
+/// Maps raster positions with depths z'. The map is a matrix on (x, y, 1, 1/z') for a perspective camera,
+/// which includes points at infinity.
+/// For an orthographic camera, it is a matrix on (x, y, z', 1), and points at infinity stay fixed.
 class RasterMap {
   public:
     RasterMap() = default;
@@ -38,9 +38,9 @@ class RasterMap {
 
     /// Returns the image of a point, or nothing if the image lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the map around the point `p` of a surface. The surface extends from `p` by `reach` px in
-    /// both directions of each axis. `slope` is the change of its inverse depth per px to the right and per
-    /// px down. Returns nothing if any part of the mapped surface lies behind the camera.
+    /// Linearises the map around the point `p` of a surface, which extends by `reach` px in both directions
+    /// of each axis. `slope` is the surface's gradient of inverse depth, per px.
+    /// Returns nothing if a part of the mapped surface lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -53,10 +53,9 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Shift of a surface's image on the raster from the pinhole's view to that of a lens point: `(I / s - W)
-/// lens_px + offset_px`, with the focus distance s and the unit matrix I. The 2x2 matrix W is recorded with
-/// the surface and describes how its image moves with the lens point. At depth z', a directly visible surface
-/// has W = I / z'.
+/// Shift of a surface's image from the pinhole's view to that of a lens point: `(I / s - W) lens_px +
+/// offset_px`, with focus distance s.
+/// The matrix W is recorded with the surface. A directly visible surface at depth z' has W = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -65,33 +64,31 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns the map that first applies `motion` and then shifts directly visible surfaces as the lens does.
-/// `motion` must be a perspective map, unless the shift is 0.
+/// Returns the map that first applies `motion` and then the lens's shift of directly visible surfaces.
+/// `motion` must be perspective unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Returns the matrix from homogeneous raster coordinates to homogeneous camera coordinates, in m, at the
-/// frame's instant. In camera coordinates, x points right and y up, and the camera looks along -z. A raster
-/// point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
+/// Returns the matrix from homogeneous raster to homogeneous camera coordinates, in m, at the frame's
+/// instant. The camera looks along -z, with x to the right and y up.
+/// A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motions of all objects on the raster, initially those in the file's header.
+/// The motions of all objects on the raster, at first those of the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
 
     /// Displacement on the raster, in px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
-    /// Replaces the motion of one object on the raster. `displacement` must include the effect of the
-    /// camera's motion.
+    /// Replaces the motion of one object on the raster. `displacement` must include the camera's motion.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
-    /// Replaces the rigid motion of one object in the world. The motion of the camera stays the same.
+    /// Replaces the rigid motion of one object in the world. The camera's motion stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the map that moves points of the object `id` on the raster from one instant to another. `id` 0
-    /// is the background at infinity. The map is exactly the identity if neither the object nor the camera
-    /// moves between the two instants.
+    /// Returns the map that moves points of the object `id` on the raster between two instants. `id` 0 is the
+    /// background at infinity. The map is exactly the identity if nothing moves.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
-    /// Returns the sorted instants at which the velocity of the object or of the camera may change abruptly.
+    /// Returns the sorted instants at which the object's or the camera's velocity may change abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;
     /// Whether the camera moves between two instants.
     [[nodiscard]] bool camera_moves(double open_s, double close_s) const;

@@ -1,4 +1,4 @@
-// Interface to a ray tracer. Its rays replace samples whose colours the recorded data do not determine.
+// Interface to a ray tracer. Its rays replace samples whose colours the records do not determine.
 #pragma once
 
 #include <array>
@@ -14,39 +14,37 @@
 
 namespace postlens {
 
-/// The ray that replaces the sample of one view in one pixel. It is defined by a position in the pixel, a
-/// lens point and an instant.
+/// The ray that replaces one view's sample in one pixel: a position in the pixel, a lens point and an
+/// instant.
 struct SightLine {
     int x = 0, y = 0;           ///< pixel, raster px
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the random samples along the ray (points on lights, directions of scattering lobes). `set` is
-    /// the index of a set of views, and `view` is the index of the view in this set. The samples are
-    /// stratified over the views of a set, and independent between sets.
+    /// Seed of the ray's random samples (points on lights, directions of scattering lobes): the indices of a
+    /// set of views and of a view in it.
+    /// The samples are stratified over the views of a set, and independent between sets.
     std::uint32_t set = 0, view = 0;
 };
 
-/// The line through the centre of the lens and a raster position, in px, at the middle of the exposure.
+/// The line through the centre of the lens and raster position `at`, in px, at the middle of the exposure.
 inline SightLine line_through(const glm::dvec2& at) {
     const glm::dvec2 pixel = glm::floor(at);
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
 }
 
-/// Radiance that is added to the image as highlights. Rays must leave out this radiance, so that it is not
-/// counted twice.
+/// Radiance that is added to the image as highlights. Rays leave it out, so that it is not counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. The node lies on the object `id` and
-    /// is seen by `path`, a sequence of reflections and transmissions. The last of them takes place at the
-    /// object `parent_id`. For a directly visible node, `at` is the raster position, in px, at which the
-    /// pinhole sees it. If the function is empty, no node is clamped.
+    /// Returns whether the radiance of a shading-tree node is clamped. If empty, no node is clamped.
+    /// `path`: the reflections and transmissions by which the node is seen.
+    /// `parent_id`, `id`: the object of the last of these, and the object of the node.
+    /// `at`: where the pinhole sees a directly visible node, raster px.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
 
-/// Identifies all shading-tree nodes that show the same surface along the same path of reflections and
-/// transmissions.
+/// Identifies all shading-tree nodes of one surface with one path of reflections and transmissions.
 struct NodeIdentity {
     NodePath path;
     std::uint32_t parent_id = 0;  ///< the object that reflects or transmits the node; 0 for direct nodes
@@ -63,27 +61,25 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Writes the scene-linear RGB radiance along line i, without the highlights that `less` describes, to
-    /// radiance[i]. Thread-safe. The result of a line does not depend on the other lines of the call.
+    /// Writes the scene-linear RGB radiance along line i, without the highlights of `less`, to radiance[i].
+    /// Thread-safe. Lines do not affect each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes only the radiance that `trace` leaves out, because it is added to the image as highlights
-    /// (`less`). Along line i, only nodes with the identity of[i] count.
+    /// Writes only the radiance that `trace` leaves out as highlights (`less`). Along line i, only nodes with
+    /// the identity of[i] count.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// Finds where lines meet the object `id`. For a line that meets it, writes 1/z' of the point, in 1/m,
-    /// and the gradient of 1/z' over the raster, in 1/m per px. For any other line, writes 0. Must not be
-    /// used for scenes in which something moves. Thread-safe.
+    /// Writes 1/z' of the point where each line meets the object `id`, in 1/m, and its gradient over the
+    /// raster, in 1/m per px; or 0 if the line misses it. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by
-    /// `path` (sequence of reflections and transmissions). The answer is false if the radiance is estimated
-    /// from random samples of lights or scattering lobes.
+    /// `path`. False if random samples of lights or scattering lobes estimate the radiance.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns the number of patches (planar parts of surfaces) seen by reflection or transmission that can
-    /// be drawn in the time of one ray. If a piece (square) of the image needs more patches per pixel, rays
-    /// are traced instead. All SightRays of a PatchField must return the same number.
+    /// Returns how many reflected or transmitted patches (planar parts of surfaces) can be drawn in the time
+    /// of one ray. If an image square has more per pixel, rays are traced instead.
+    /// All SightRays of a PatchField must return the same number.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -131,12 +131,11 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels that may show a surface from beyond the border of the raster. The surface is
-        // assumed to have the depth of `s`, a pixel at the border. `along` is the surface's position along
-        // the border.
+        // Marks the pixels that may show a surface beyond the raster's border. It is assumed to have the
+        // depth of border pixel `s`, at position `along` the border.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // The surface may continue at an angle to the border, so one more pixel is marked on both sides.
+            // The surface may continue at an angle to the border. So one more pixel is marked on both sides.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

@@ -1,5 +1,4 @@
-// Finds where a view (image for one lens point and one instant) may see a surface outside the recorded
-// pixels.
+// Finds where a view (image for one lens point and instant) may see a surface outside the recorded pixels.
 #pragma once
 
 #include <array>
@@ -14,17 +13,16 @@
 
 namespace postlens {
 
-/// Finds the pixels in which a view may see a surface outside the recorded pixels. Surfaces at the border are
-/// assumed to continue beyond it. If several depths are recorded at a point of the border, the nearest one is
-/// used.
+/// Finds pixels in which a view may see a surface outside the recorded pixels. At each border pixel, the
+/// nearest surface is assumed to continue beyond the border.
 class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Returns whether any view may see, in the tile, a surface that lies outside the recorded pixels.
+    /// Returns whether any view may see, in the tile, a surface outside the recorded pixels.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// For pixels in which the view may see a surface beyond the border, writes the inverse depth of this
-    /// surface to SeenTile::maybe_inverse_z.
+    /// Writes the inverse depth of such surfaces to SeenTile::maybe_inverse_z, in the pixels in which the
+    /// view may see them.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -47,19 +45,18 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Bounds, in px, of the displacement of the pixels at this side of the raster in all views:
-        /// `deepest_px` perpendicular to the side, into the raster, and `sideways_px` along the side.
+        /// Largest displacement of this side's pixels in all views, in px: `deepest_px` into the raster,
+        /// `sideways_px` along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to include all displacements that differ from `moved_px`
-        /// by at most `around_px` along each axis.
+        /// Enlarges both bounds to include all displacements that differ from `moved_px` by at most
+        /// `around_px` per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of the moving pixels of this
-        /// side in all views of `span`, a part of the exposure.
+        /// Enlarges both bounds to include the displacements of moving pixels in all views of `span`, a part
+        /// of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Raster position, in px, at which a view sees the centre of pixel `i` of Side::cells. `along` is its
-    /// coordinate parallel to this side of the raster, and `across` the perpendicular one.
+    /// Raster position, in px, at which a view sees a border pixel: `along` and `across` the side.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

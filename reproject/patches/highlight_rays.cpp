@@ -8,11 +8,10 @@
 namespace postlens {
 namespace {
 
-/// Numbers of rays per pixel. A first round traces `few_rays` per pixel, to find the pixels in which the rays
-/// differ. A second round traces `many_rays` in these pixels and `few_rays` in all others. Only the rays of
-/// the second round are averaged: a mean with rays that have determined their own number would be biased.
+/// Rays per pixel: `few_rays`, or `many_rays` in pixels whose rays differ. The rays that decide this are not
+/// averaged, because the mean would be biased.
 constexpr int few_rays = 4, many_rays = 28;
-/// Two rays differ if their radiances in a channel differ by more than this fraction of the larger one.
+/// Two rays differ if, in a channel, their radiances differ by more than this fraction of the larger one.
 constexpr double differing = 1e-3;
 
 }  // namespace
@@ -63,8 +62,7 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // The seed depends on the pixel, the first view and the round, so that rays of different pixels,
-        // views and rounds are independent.
+        // The rays of different pixels, views and rounds must be independent.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
         seed = mix64(seed ^ static_cast<std::uint64_t>(round));

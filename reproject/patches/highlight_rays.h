@@ -1,4 +1,4 @@
-// Measures the error of highlights (bright spots that the lens spreads) by rays that are aimed at them.
+// Measures the error of highlights (bright spots that the lens spreads) by rays aimed at them.
 #pragma once
 
 #include <array>
@@ -11,14 +11,11 @@
 
 namespace postlens {
 
-/// Measures the error of the highlights in the pixels of a tile. The rays of views rarely hit a small light,
-/// so additional rays are aimed at the recorded highlights (Lights::aim). These rays find two kinds of
-/// errors. A surface that is not recorded may hide the highlight, or a mirror may show the highlight at
-/// another position than the records predict.
+/// Measures the error of the highlights in a tile. Few rays of views hit a small light, so additional rays
+/// are aimed at the recorded highlights (Lights::aim).
 class CheckedHighlights {
   public:
-    /// Sets the members of `checks` that describe highlights, for each pixel of the tile. `light` is the
-    /// result of Lights::add.
+    /// Sets the members of `checks` that describe highlights. `light` is the result of Lights::add.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

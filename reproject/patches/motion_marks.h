@@ -13,8 +13,7 @@
 
 namespace postlens {
 
-/// Marks the pixels that moving objects may change, with the bits PatchField::class_marks. Each directly
-/// visible sheet (part of a surface) of a recorded instant has the bits of its object.
+/// Marks the pixels that moving objects may change, with the bits PatchField::class_marks of the object.
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -27,15 +26,15 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any patch (planar part of a surface) in `patches` belongs to an object with one of the
-    /// bits PatchField::wanted_marks. `patches` contains indices of directly visible patches.
+    /// Returns whether any of `patches` (indices of directly visible planar parts of surfaces) belongs to an
+    /// object with a bit of PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks the pixels in which a moving object was recorded. The object moves away from them, so views show
-    /// a different colour there. `mesh` contains the directly visible patches of the instant in the tile.
+    /// Marks the pixels where a moving object was recorded, because it uncovers them in other views. `mesh`
+    /// contains the instant's directly visible patches in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which a view sees a moving object or something that is not recorded. `seen` has
-    /// one element for each recorded instant that the view uses.
+    /// Marks the pixels in which a view sees a moving object or something unrecorded. `seen` has one element
+    /// per recorded instant of the view.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

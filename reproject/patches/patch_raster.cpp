@@ -10,18 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Smallest determinant of the affine map of a patch into a view. If the determinant is smaller, the patch is
-/// seen edge-on and covers no sample.
+/// Smallest determinant of the affine map of a patch into a view. Below it, the patch is edge-on and covers
+/// no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of a row that are processed together: few_lanes if the patch covers at most few_lanes
-/// samples in every row, otherwise most_lanes.
+/// Samples of a row that are processed together: few_lanes if no row of the patch has more samples, otherwise
+/// most_lanes.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
-/// coordinates, sample i of row j lies at `first(j) + i * by`. With repeated addition of `by`, the rounding
-/// error would depend on how a row is divided.
+/// The samples (i, j) of a tile that a patch may cover. In patch coordinates, sample i of row j lies at
+/// `first(j) + i * by`, without accumulated rounding errors.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -42,8 +41,8 @@ struct Run {
     }
 };
 
-/// Several consecutive samples of a row, for SIMD. Each has the index of its cell (pixel of the patch), its
-/// position in the cell, and its inverse depth.
+/// Consecutive samples of a row, for SIMD: index of the sample's cell (pixel of the patch), position in the
+/// cell, and inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -60,12 +59,11 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Neighbouring patches overlap by a margin beyond their sides. There, a patch's inverse depth is multiplied
-/// by this factor, so that it lies behind its neighbour.
+/// Factor of a patch's inverse depth in the margin beyond its sides. There, it overlaps its neighbour and
+/// must lie behind it.
 constexpr float in_overlap = 1 - 1e-3F;
 
-/// Element n is 1 << n. A table is used because some instruction sets cannot shift each lane (element of a
-/// vector) by a different number of bits.
+/// Element n is 1 << n. Some instruction sets cannot shift each lane by a different number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
@@ -73,9 +71,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // For functions that are inlined into kernels, which are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.
-/// Bit n is set if sample begin + n lies in the patch and is nearer than the surface drawn there so far
-/// (inverse depth there[n]).
+/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`.
+/// Bit n of the result: sample begin + n lies in the patch and is nearer than the inverse depth there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -94,8 +91,7 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        // In its overlap (margin), a patch is drawn slightly behind the neighbour to which the sample
-        // belongs.
+        // In its overlap (margin), a patch lies slightly behind the neighbour to which the sample belongs.
         const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
@@ -109,8 +105,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n for which in[n] is `id`. The patch is seen by reflection or
-/// transmission in this object, so it is only drawn there.
+/// Returns a bit mask of the samples n for which in[n] is `id`, the object that reflects or transmits the
+/// patch.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -119,8 +115,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends a quadtree from `node` to the leaf (undivided cell) that contains the position (x, y). The
-/// position is relative to the cell, from 0 to 1.
+/// Descends a quadtree from `node` to the leaf that contains the position (x, y), given in the cell from 0 to
+/// 1.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -133,8 +129,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples whose bit is set in `found`, except those in empty quadtree leaves of the patch. The
-/// loop is scalar, because a SIMD gather of sixteen samples is not faster if half of the bits are 0.
+/// Draws the samples whose bit is set in `found`, except in empty quadtree leaves. A SIMD gather would not be
+/// faster, because half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -193,7 +189,7 @@ POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in,
     }
 }
 
-/// Bounding box of pixels of a tile. The pixels are added row by row.
+/// Bounding box of pixels, added row by row.
 class PartOfPixels {
   public:
     void add(int x, int y) {
@@ -208,7 +204,7 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// Returns the samples of a part of a tile that a patch may cover, or nothing if it covers no sample.
+/// Returns the samples of a part of a tile that a patch may cover, or nothing if there are none.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -274,7 +270,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // draw_patch_in also tests samples to the left of `part`, so the whole row is cleared.
+        // The whole row is cleared, because draw_patch_in also tests samples to the left of `part`.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -303,8 +299,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Every row is drawn from the tile's left border, although pixels to the left of `wanted.part` are not
-    // needed. Otherwise rounding would change the positions of samples slightly.
+    // Every row begins at the tile's left border. A later start would round the samples' positions
+    // differently.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -1,5 +1,5 @@
-// Rasterises patches (nearly planar parts of surfaces) into a tile of the image with a depth test. Each pixel
-// has one sample.
+// Rasterises patches (nearly planar parts of surfaces) into an image tile with a depth test. Each pixel has
+// one sample.
 #pragma once
 
 #include <algorithm>
@@ -19,18 +19,18 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` that marks an inaccurate reprojection: the reflected or refracted image does not move
-    /// linearly with the lens point (Patch::bent).
+    /// Bit of `texel` that marks an inaccurate reprojection: the reflected or refracted image moves
+    /// nonlinearly with the lens point (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
-    /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
+    /// SIMD kernels read 16 values at a time, even beyond the end of the last row.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface of which it is uncertain whether it covers the pixel, because the
-    /// records do not determine the exact position of its edge (SheetNode::maybe). Surfaces behind one that
-    /// was drawn earlier are ignored.
+    /// Inverse depth of the nearest surface that may or may not cover the pixel, because the records do not
+    /// resolve its edge (SheetNode::maybe).
+    /// Surfaces behind one that was drawn earlier are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -40,13 +40,13 @@ struct SeenTile {
     }
     /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether the visible surface may be hidden by a surface whose edge the records do not resolve.
+    /// Whether an unresolved edge of a nearer surface may hide the visible surface.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
 };
 
-/// Position of a tile on the raster, number of its pixels in use, and sample position within each pixel.
+/// Position of a tile on the raster, its pixels in use, and the sample position within each pixel.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
@@ -74,12 +74,12 @@ struct TilePart {
     }
 };
 
-/// A bit mask of the 8 x 8 px blocks of a tile. The bit of a block is set when a pixel of the block is added.
+/// A bit mask of the 8 x 8 px blocks of a tile. Adding a pixel sets the bit of its block.
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether a non-empty block overlaps the rectangle [x0, x1] x [y0, y1]. Coordinates are in px
-    /// from the tile's corner.
+    /// Returns whether a non-empty block overlaps the rectangle [x0, x1] x [y0, y1], in px from the tile's
+    /// corner.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -100,48 +100,44 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch at `place` with a depth test. Each pixel keeps the nearest surface. If surfaces are equally
-/// near, the pixel keeps the one that was drawn first. Back faces are not drawn, because they are not
-/// recorded.
+/// Draws a patch at `place` with a depth test. Of equally near surfaces, the pixel keeps the first one. Back
+/// faces are not drawn, because they are not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a surface that is seen by reflection or transmission must be drawn, and for each
-/// pixel, the object that reflects or transmits this surface.
+/// The pixels in which a reflected or transmitted surface must be drawn, and the objects that reflect or
+/// transmit it.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether the surface's parent (the surface that reflects or transmits it) is missing in some pixels.
-    /// There, `in` contains in_gap(id) instead of the parent's id, where `id` is the object of the nearest
-    /// ancestor that the view sees.
+    /// Whether the parent (the reflecting or transmitting surface) is unrecorded in some pixels. There, `in`
+    /// contains in_gap(id), with the id of the nearest visible ancestor.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
 /// Finds the pixels of `part` in which a reflected or transmitted node must be drawn, and writes them to
-/// `wanted`. `in` shows the parent nodes that the view sees, with texels of `in_mesh`. A pixel needs a node
-/// if its texel in `in` has a child node for the bounce `bounce` (child_bit). `part` must contain all such
-/// pixels. These pixels are cleared in `out`. Nothing can be drawn into the other pixels in the rows of
-/// `part`, because they get an infinite inverse depth.
+/// `wanted`. These are the pixels whose texel in `in` has a child node for `bounce` (child_bit).
 ///
-/// If a parent node was not recorded, `in` does not show it, but its child may still be recorded. For such a
-/// pixel, `around` returns the id of the nearest ancestor that the view sees. Without `around`, these pixels
-/// are left out.
+/// `in`: the parent nodes that the view sees, with texels of `in_mesh`.
+/// `part`: must contain all such pixels.
+/// `around`: returns the nearest visible ancestor's id where the parent is not recorded. If empty, such
+/// pixels are left out. `out`: the found pixels are cleared. Other pixels in the rows of `part` get an
+/// infinite inverse depth, so nothing can be drawn there.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Returns the bounding box of the pixels of a tile that show a surface whose reflections or refractions are
-/// drawn separately.
+/// Returns the bounding box of the pixels whose surface has reflections or refractions that are drawn
+/// separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch that is seen by reflection or transmission, with a depth test, in the pixels that show the
-/// object that reflects or transmits it. The patch may be mirror-inverted. It is skipped if the view
-/// stretches a raster px to more than `largest_torn_px`.
-///
-/// If WantedPixels::any_gaps is set, the reflecting or transmitting surface is missing in some pixels. A
-/// patch with an inaccurate reprojection (Patch::bent) is not drawn there. `out` must come from find_wanted.
+/// Draws a reflected or transmitted patch with a depth test, in the pixels that show its parent (the object
+/// that reflects or transmits it). The patch may be mirror-inverted.
+/// It is skipped if the view stretches a raster px to more than `largest_torn_px`. `out` must come from
+/// find_wanted.
+/// If Patch::bent is set, the patch is not drawn where the parent is unrecorded (WantedPixels::any_gaps).
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

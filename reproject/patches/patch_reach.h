@@ -1,5 +1,4 @@
-// Quickly excludes patches (planar parts of surfaces) outside a tile, before their maps into the view are
-// computed.
+// Quickly excludes patches (planar parts of surfaces) outside a tile, before they are mapped into the view.
 #pragma once
 
 #include <cmath>
@@ -8,8 +7,8 @@
 
 namespace postlens {
 
-/// Bounds of a static patch in any view. The patch's centre moves linearly with the lens point, and
-/// `half_width` and `half_height` are upper bounds over all views.
+/// Bounds of a static patch in any view. Its centre moves linearly with the lens point; `half_width` and
+/// `half_height` hold for all views.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -21,9 +20,8 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the bounding rectangle of the patch in one view. `lens` is the lens point, in px m
-    /// (LensShift::lens_px). `shift` is the shift of an infinitely distant surface's image, in px. The matrix
-    /// W (xx, xy, yx and yy) adds the shift -W * lens.
+    /// Returns the bounding rectangle of the patch in one view. `lens` is LensShift::lens_px, in px m.
+    /// `shift` is the shift of infinitely distant surfaces, in px.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -31,8 +29,8 @@ struct PatchReach {
     }
 };
 
-/// Computes the bounds of a patch in all views. `farthest_px` is the largest |x| and |y| of their lens points
-/// (LensShift::lens_px). `shift_px` is the largest shift, in px, of surfaces at infinity.
+/// Bounds a patch in all views. `farthest_px` is the largest |x| and |y| of LensShift::lens_px. `shift_px` is
+/// the largest shift of surfaces at infinity, in px.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

@@ -10,12 +10,12 @@
 
 namespace postlens {
 
-/// Returns the motion class of a patch. All objects of a class move alike. A patch that is seen by reflection
-/// or transmission has the class of the object that reflects or transmits it.
+/// Returns the motion class of a patch. Reflected or transmitted patches move with the object that reflects
+/// or transmits them.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Computes bounding rectangles of patches (planar parts of surfaces). The rectangle of a patch contains the
-/// patch in all views of a PatchField and from all lens points within `lens_reach_px`.
+/// Bounding rectangles of patches (planar parts of surfaces) over all views of a PatchField and all lens
+/// points within `lens_reach_px`.
 class PatchSweep {
   public:
     /// Keeps a reference to `field`. Only its members `motion_class`, `lens_reach_px` and `sets` are used.
@@ -24,8 +24,8 @@ class PatchSweep {
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Smallest and largest shift by the lens (LensShift) in all views. A static patch moves affinely with
-    /// the shift, so its positions at the corners of this box bound all its positions.
+    /// Smallest and largest shift by the lens in all views. A static patch moves affinely with the shift, so
+    /// the box's corners bound its positions.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves
@@ -36,7 +36,7 @@ class PatchSweep {
     /// Calls `add` with the box's corners.
     template <typename Add>
     static void for_corners(const Box& box, const Add& add);
-    /// Extends `out` by the positions of a moving patch in all views of a part of the exposure.
+    /// Extends `out` by a moving patch's positions in all views of a part of the exposure.
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
                          const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;

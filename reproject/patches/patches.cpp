@@ -10,19 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Largest reprojection error of a cell (pixel of a surface) for lens points on the rim of the lens. The
-/// error is a fraction of the radius of the circle of confusion.
+/// Largest reprojection error of a surface's pixel for lens points on the rim, as a fraction of the radius of
+/// the circle of confusion.
 constexpr double exact_share = 0.02;
-/// A hidden surface (SheetKey::hidden) that lies closely behind another one must not show through it. Depth
-/// tests therefore reduce its inverse depth by Patch::back_per_m, but at most by this fraction.
+/// Depth tests reduce a hidden surface's inverse depth by at most this fraction (Patch::back_per_m), so that
+/// it does not show through the surface in front.
 constexpr double most_back = 0.02;
-/// Each pixel of a surface is drawn in a single colour (SheetMesh::coarse) if the smaller semi-axis of the
-/// circle of confusion is at least this many px. Such a blur hides finer detail.
+/// A pixel is drawn in a single colour (SheetMesh::coarse) if its circle of confusion has a smaller semi-axis
+/// of at least this many px.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to the values of a patch's cells (pixels) by least squares. Each cell has linear functions,
-/// which the fit evaluates at four points, (+-1/4, +-1/4) px from the cell's centre. The origin of the fitted
-/// planes is the patch's corner.
+/// Least-squares planes of a patch's values, evaluated at four points of each cell (pixel): (+-1/4, +-1/4) px
+/// from the centre. The planes' origin is the patch's corner.
 template <std::size_t values>
 class Fit {
   public:
@@ -52,8 +51,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted planes and the pixel's own planes, `planes`. It is
-    /// measured at the four points of the pixel that the fit uses.
+    /// Returns the largest difference between the fitted planes and a pixel's own `planes`, at the pixel's
+    /// four points.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -161,7 +160,7 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Only directly visible surfaces have one value per cell (1/z'), and only they get bounds of motion.
+        // Only directly visible surfaces get bounds of motion. They have one value per cell (1/z').
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -183,8 +182,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // Written as !(a <= b), so that NaN also marks the patch as nonlinear. The product is NaN if
-                // `bend` is infinite and bend_px_m2 is 0.
+                // Written as !(a <= b), so that NaN also counts as nonlinear. The product is NaN if `bend` is
+                // infinite and bend_px_m2 is 0.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -194,8 +193,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // As the aperture shrinks, `within` (allowed error of the inverse depth) grows without limit.
-            // back_per_m is therefore limited to a fraction of the patch's inverse depth.
+            // As the aperture shrinks, `within` (the allowed error) grows without limit. So back_per_m is
+            // limited to a fraction of the inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -224,7 +223,7 @@ double PatchLens::least_blur_px(const Mat2& w) const {
     // Computes the smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    // std::hypot is slower, and is not needed because nothing overflows here. This runs for every cell.
+    // This runs for every cell. std::hypot is slower and only avoids overflow, which cannot happen here.
     const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
                  difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
@@ -311,8 +310,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Returns the inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes along x
-/// and y.
+/// Returns a part's 1/z': the value at its corner, and the slopes along x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -321,10 +319,10 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), where L is
-// `lens_px_per_px`. From q, a surface point with raster position x and inverse depth w is seen at p = x + (s
-// - w) q, where s is the inverse focus distance. Hence x - at = C (p - at) with C = I - (s - w) L, where I is
-// the unit matrix. C depends on x, because w does, so the map is linearised around the part's centre.
+// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), with L =
+// `lens_px_per_px`. From q, a surface point at raster position x is seen at p = x + (s - w) q, with its
+// inverse depth w and the inverse focus distance s. Hence x - at = C (p - at) with C = I - (s - w) L.
+// C depends on x, because w does. So the map is linearised around the part's centre.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

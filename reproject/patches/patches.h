@@ -1,5 +1,5 @@
-// Divides the recorded surfaces into patches. A patch is so nearly planar that an affine map can reproject it
-// to a view.
+// Divides the recorded surfaces into patches: parts so nearly planar that an affine map can reproject them to
+// a view.
 #pragma once
 
 #include <array>
@@ -27,37 +27,34 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted surface is drawn as part of the surface that shows it if, for all lens
-    /// points, the displacements of the two images differ by at most this many px. All other such surfaces
-    /// are drawn separately. A negative value separates all of them, and all_follow none.
+    /// A reflected or transmitted surface is drawn as part of the surface that shows it, if both move alike
+    /// within this many px for all lens points.
+    /// Other such surfaces are drawn separately. A negative value separates all, and all_follow none.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest error, in px, of the position of a cell (pixel of a surface) in a view. Blurred cells may have
-    /// a larger error.
+    /// Largest position error, in px, of a cell (pixel of a surface) in a view. Blurred cells may have a
+    /// larger error.
     double exact_px = 0.1;
-    /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbouring patches.
+    /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbours.
     double overlap_px = 0.02;
-    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. The part is
-    /// given by its centre, its gradient of 1/z', and half its size (RasterMap::tangent). If the function is
-    /// empty, nothing moves.
+    /// Bounds the distortion of a part of a surface by the motions in all views. Arguments: its centre,
+    /// gradient of 1/z', and half size (RasterMap::tangent). If empty, nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius, in px, of the circle of confusion of a shading-tree node. The matrix `w` describes
-    /// how the node's image moves with the lens point. If `w` is not isotropic, the circle is an ellipse,
-    /// whose smaller semi-axis is returned.
+    /// Returns the radius of a node's circle of confusion, in px. It is an ellipse if W (`w`) is not
+    /// isotropic. Then the smaller semi-axis is returned.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest accepted error, in px, of the assumption that a reflected or refracted image moves linearly with
-/// the lens point. Patches with a larger error are marked (Patch::bent), and the records count as
-/// insufficient for their samples.
+/// Largest error, in px, of the assumption that a reflected or refracted image moves linearly with the lens
+/// point. Patches above it are marked (Patch::bent) as insufficiently recorded.
 inline constexpr double most_bend_px = 0.5;
 
-/// A part of a sheet: the pixels [x, x + width) x [y, y + height) of the sheet. A sheet is one surface within
-/// a square of the raster.
+/// A part of a sheet (one surface within a square of the raster): the sheet's pixels [x, x + width) x [y, y +
+/// height).
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
@@ -68,8 +65,8 @@ struct Patch {
     float back_per_m = 0;           ///< amount, 1/m, by which depth tests reduce the patch's 1/z'
 };
 
-/// The affine map of a patch into a view. It maps the point (x, y), in px from the patch's corner, to the
-/// raster position `from + move * (x, y)`.
+/// The affine map of a patch into a view. The point (x, y), in px from the patch's corner, maps to raster
+/// position `from + move * (x, y)`.
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
@@ -80,29 +77,27 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// Each patch has `sheets->values` linear functions, with the patch's corner as the origin. The first one
-    /// is 1/z'. If the matrix W (motion of the image with the lens point) is stored, its entries xx, xy, yx
-    /// and yy follow.
+    /// The linear functions of each patch, with its corner as the origin: 1/z', and if stored, the entries
+    /// xx, xy, yx and yy of W.
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface), the bits (child_bit) of those reflections and refractions that are
-    /// drawn as part of the sheet. All others are drawn separately (PatchLens::follow_px).
+    /// For each sheet (part of a surface), the bits (child_bit) of the reflections and refractions that are
+    /// drawn as part of it (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
     /// Returns the bits (child_bit) of the reflections and refractions that are drawn separately at a texel
-    /// (recorded colour of one quadtree leaf).
+    /// (recorded colour of a quadtree leaf).
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether an edge crosses a texel's quadtree leaf. The recorded colours at the leaf's corners
-    /// then do not determine the colour within the leaf. The edge may be in the surface itself, or in a
-    /// reflection or refraction that is drawn as part of it.
+    /// Returns whether an edge crosses a texel's quadtree leaf, so that the recorded colours do not determine
+    /// the leaf's colour. Edges in `follows` reflections and refractions count too.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of the reflections and refractions that are drawn as part of the texel (recorded
+    /// Returns the radiance of the reflections and refractions that are drawn as part of a texel (recorded
     /// colour of a quadtree leaf).
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
@@ -115,14 +110,14 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), including the reflections and
-    /// refractions that are drawn as part of it.
+    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), with the reflections and
+    /// refractions drawn as part of it.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
         return {t.r + more[0], t.g + more[1], t.b + more[2]};
     }
-    /// Returns the id of the object to which a texel (recorded colour of a quadtree leaf) belongs.
+    /// Returns the object of a texel (recorded colour of a quadtree leaf).
     [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {
         return sheets->sheets[sheets->texels[texel].sheet()].key.id;
     }
@@ -131,45 +126,42 @@ struct PatchMesh {
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
 };
 
-/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible. In any
-/// view, the position error of a patch's pixels is at most PatchLens::exact_px or 1/50 of the radius of the
-/// circle of confusion, whichever is larger. The smallest patch is one raster pixel. The result is
-/// deterministic.
+/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible, and at
+/// least one raster pixel. In any view, a larger patch's position error is at most PatchLens::exact_px or
+/// 1/50 of the circle of confusion's radius, whichever is larger. The result is deterministic.
 ///
-/// A surface closely behind another one (SheetKey::hidden) must not show through it. Depth tests therefore
-/// move the patches of the rear surface back by Patch::back_per_m. This distance is the sum of the largest
-/// depth errors of two planes.
+/// A surface closely behind another one (SheetKey::hidden) must not show through it. So depth tests move its
+/// patches back by Patch::back_per_m, the sum of the largest depth errors of two planes.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
-/// Computes the affine map of a patch into a view. The map first applies `motion`, linearised at the patch's
-/// centre, and then the shift by the lens. Returns false if the patch would lie behind the camera.
+/// Computes the affine map of a patch into a view: first `motion`, linearised at the patch's centre, then the
+/// shift by the lens. Returns false behind the camera.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
                                const LensShift& lens, PatchPlace& out);
 
-/// The rays from one scene point to all pixels of its circle of confusion. Each ray passes through a
-/// different lens point.
+/// The rays from one scene point to all pixels of its circle of confusion, each through a different lens
+/// point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d`, in m times
-    /// film distance / pixel pitch (px m), as LensShift::lens_px.
+    /// The ray to raster position `at + d` passes through lens point `lens_px_per_px * d`, in px m as
+    /// LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Computes the map from a directly visible patch to the raster along the rays of the scene point: a point of
-/// the patch maps to the raster position whose ray passes through it. A patch nearer than the scene point
-/// hides the scene point there. The map is linearised at the patch's centre. Returns false if the map is
-/// singular.
+/// Maps a directly visible patch to the raster along the scene point's rays. A nearer patch hides the scene
+/// point in the pixels that it covers there.
+/// The map is linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Divides a patch, and appends those parts that are nearer than 1 / `nearest_per_m`, with their maps to the
-/// raster. These parts may hide the scene point, whose inverse depth `light_per_m` is at most
-/// `nearest_per_m`. Near the depth of the scene point, where the map is singular, parts are smaller: within a
-/// part, 1/z' - `light_per_m` varies by at most a factor of two, unless the part is a single pixel.
+/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, with their maps to the raster. They
+/// may hide the scene point, whose inverse depth is `light_per_m` <= `nearest_per_m`.
+/// Within a part larger than a pixel, 1/z' - `light_per_m` varies by at most a factor of two, because the map
+/// is singular at the scene point's depth.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

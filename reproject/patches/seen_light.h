@@ -1,5 +1,5 @@
-// For each pixel of a tile, sums the radiance of directly visible surfaces over all views (images for one
-// lens point and one instant each).
+// Sums, per pixel of a tile, the radiance of directly visible surfaces over all views (images for one lens
+// point and instant).
 #pragma once
 
 #include <array>
@@ -10,8 +10,7 @@
 
 namespace postlens {
 
-/// Weighted sums over views for each pixel of a tile. The first three are the radiance (r, g, b) times the
-/// view's weight. The fourth is the weight.
+/// Weighted sums over views, per pixel of a tile: radiance (r, g, b) times the view's weight, and the weight.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -21,9 +20,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours that a view sees in the first `width` x `height` pixels of a tile to `sums`. A texel is
-/// the recorded colour of one quadtree leaf. `with_children` receives the pixels whose surface reflects or
-/// transmits other recorded surfaces.
+/// Adds a view's colours in the first `width` x `height` pixels of a tile to `sums`. `with_children` receives
+/// the pixels whose surface has recorded reflections or refractions.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

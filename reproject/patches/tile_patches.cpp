@@ -19,10 +19,9 @@ int tiles(int px) {
     return (px + SeenTile::edge - 1) / SeenTile::edge;
 }
 
-/// Sort key that orders the patches of a tile by path (sequence of reflections and transmissions), and
-/// patches with equal paths from near to far.
+/// Sort key of a patch: by path (sequence of reflections and transmissions), then from near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // The bit patterns of non-negative floats have the same order as their values. Negative floats have the
+    // The bit patterns of non-negative floats are in the order of their values. Negative floats are in
     // reverse order.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
@@ -60,8 +59,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A patch is assigned to the tiles in which a view may see it, and if its object moves, also to
-            // the tiles in which it was recorded, because mark_recorded marks pixels there.
+            // A moving patch also belongs to the tiles in which it was recorded, because mark_recorded marks
+            // pixels there.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

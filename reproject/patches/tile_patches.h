@@ -1,5 +1,4 @@
-// For each tile of the image, finds the patches (planar parts of surfaces) that may appear there in views
-// from any lens point.
+// Finds, for each tile of the image, the patches (planar parts of surfaces) that may appear in its views.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +21,7 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// The patches [begin, end) of a tile. They share one path (sequence of reflections and transmissions from
-/// the eye).
+/// The patches [begin, end) of a tile with one path (sequence of reflections and transmissions from the eye).
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -44,25 +42,25 @@ class PatchBins {
     [[nodiscard]] int rows() const { return rows_; }
     /// Returns whether any instant has patches of reflected and transmitted nodes.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Returns the indices of those directly visible patches of an instant that may appear in a tile in at
-    /// least one view.
+    /// Returns the indices of an instant's directly visible patches that may appear in a tile in some view.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies the directly visible patches of a tile that may appear in the given rectangle to `out`. Empties
-    /// the lists of reflected and transmitted patches, which gather_chains fills.
+    /// Copies the directly visible patches that may appear in a rectangle of a tile to `out`. Empties the
+    /// lists that gather_chains fills.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Returns whether more than `most` reflected and transmitted patches of any one instant may appear in a
+    /// Returns whether more than `most` reflected and transmitted patches of one instant may appear in a
     /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Must be called
-    /// after `gather`. Paths (sequences of reflections and transmissions) without patches in the rectangle
-    /// are listed, too, so that views that need a surface with such a path find that it is not recorded.
+    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Call after
+    /// `gather`.
+    /// Paths (sequences of reflections and transmissions) without patches there are listed too, so that
+    /// TreeSums reports their surfaces as unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches that may appear in a tile in some view. For each patch, `pixels` states in which part of
-    /// the tile it may appear.
+    /// The patches that may appear in a tile in some view, and for each, the `pixels` of the tile in which it
+    /// may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -75,15 +73,14 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// Returns, for each tile, the patches that may appear in it in some view. They are sorted by path
-    /// (sequence of reflections and transmissions), so that a reflecting surface precedes its reflections.
-    /// Patches with equal paths are sorted from near to far, so that hidden pixels fail the depth test early.
+    /// Returns the patches that may appear in each tile in some view. Reflecting surfaces precede their
+    /// reflections.
+    /// Patches of one path are sorted from near to far, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
-    /// Appends a patch. Patches are copied to contiguous memory because every view reads all patches of the
-    /// rectangle.
+    /// Appends a patch. Patches are copied to contiguous memory, because every view reads all of them.
     void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;
 
     const PatchField& field_;

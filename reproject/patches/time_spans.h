@@ -1,5 +1,5 @@
-// Groups views (images for one lens point and one instant each) by time, so that bounds of the positions of
-// moving surfaces can be computed quickly.
+// Groups views (images for one lens point and instant) by time, to quickly bound the positions of moving
+// surfaces.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,8 @@
 
 namespace postlens {
 
-/// The first and the last view within 1/64 of the exposure. They are the same if there is only one view.
-/// Between these two views, a moving surface may move on a curve. Its distance from the straight line between
-/// its two positions is assumed to be less than the length of this line.
+/// The first and last view within 1/64 of the exposure; equal if there is only one. Between the two, a moving
+/// surface is assumed to stay near the straight line between its positions: closer than the line's length.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -20,8 +19,9 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Returns the time spans of all views that have motions and use the records of `instant`. Without rays,
-/// PatchView::light_before is not used, so each view gets a span of its own. The result points into `field`.
+/// Returns the time spans of all views with motions that use the records of `instant`. The result points into
+/// `field`.
+/// Without rays, each view gets its own span, because PatchView::light_before is only used with rays.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,9 +8,8 @@
 namespace postlens {
 namespace {
 
-/// If a view needs a reflected or transmitted surface that is not recorded, the mean radiance of the views
-/// that see the surface is used. If these are fewer than this fraction of the views that need it, the
-/// radiance seen from the pinhole is blended in.
+/// If fewer than this fraction of the views that need a reflected or transmitted surface see it, the radiance
+/// seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,8 +83,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // The parent of a surface reflects or transmits it. If the parent is missing in a pixel, the surface
-        // is drawn there only if the parent and the nearest visible ancestor lie on one object.
+        // Where the parent (the surface that reflects or transmits this one) is missing, the parent and the
+        // nearest visible ancestor must lie on one object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -207,8 +206,8 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // Views need a surface with this path (sequence of reflections and transmissions), but none of them
-        // sees one. Its radiance is unknown and may be arbitrarily large.
+        // Views need a surface with this path, but none sees one. Its radiance is unknown and may be
+        // arbitrarily large.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -220,9 +219,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // If a view lacks the parent (the surface that reflects or transmits this one), it is unknown whether
-        // the view needs this surface. `inflated` scales the sum, so that such views get the mean of the
-        // views that have the parent.
+        // If a view lacks the parent (the surface that reflects or transmits this one), it may not need this
+        // surface. `inflated` gives such views the mean of the views with the parent.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

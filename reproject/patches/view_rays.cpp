@@ -5,10 +5,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2 of the recorded raster, that one pixel of the view shows at the view's raster
-/// point `p`. The surface there is assumed to be parallel to the film. `motion` maps from the recorded
-/// instant to the view's instant. Returns nothing if the camera of the recorded instant does not see the
-/// surface.
+/// Returns the area, in px^2 of the recorded raster, that one pixel of the view shows at raster point `p`.
+/// Assumes a surface parallel to the film. Returns nothing if the recording camera does not see it.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -19,8 +17,8 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Returns whether the records determine the directly visible surface in pixel `k` of the view `shown`. `u`
-/// is the index of the tested instant among the one or two recorded instants of the view.
+/// Returns whether the records determine the directly visible surface in pixel `k`. `u` is the index of the
+/// view's tested instant.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);
@@ -65,8 +63,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Every pixel is written to the list, but only counted if it is doubtful. A branch would often be
-            // mispredicted.
+            // Branchless, because a branch would often be mispredicted: a pixel that is not doubtful is
+            // overwritten by the next one.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

@@ -1,5 +1,5 @@
-// Selects the view samples (pixels of single views) for which rays are traced. If the records do not
-// determine the colour of a sample, a ray replaces it. Other rays check recorded colours.
+// Selects the view samples (pixels of single views) that rays replace, because the records do not determine
+// their colours, or that rays check.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// The surfaces that a view shows in a tile. A view is made from one or two recorded instants, its uses. Each
-/// use is reprojected to the view and has its own SeenTile.
+/// The surfaces that a view shows in a tile. Each use (one of the view's one or two recorded instants) has
+/// its own SeenTile.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -28,13 +28,12 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that pixel `k` shows, as recorded at instant `u` (0 or 1) of the view.
+    /// Returns the object that pixel `k` shows, as recorded at use `u` (0 or 1) of the view.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the
-    /// same surface, their colours are blended. Otherwise only the nearer surface counts, or the farther one
-    /// if the outline of the nearer one is imprecise (has_vague_outline).
+    /// Returns the weight of use `u` in pixel `k`. If both uses show the same surface, their colours are
+    /// blended. Otherwise the nearer surface counts, unless its outline is imprecise (has_vague_outline).
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -44,9 +43,9 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether use `u` (a recorded instant of the view) shows a surface's outline in pixel `k` less
-    /// precisely than the other use. Two conditions must hold: the quadtree leaf at the outline is larger
-    /// than a pixel of the view, and the other use has recorded this part of the object at a larger size.
+    /// Returns whether use `u` shows an outline in pixel `k` less precisely than the other use. Then its
+    /// quadtree leaf is larger than a pixel of the view, and the other use has recorded the object at a
+    /// larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
@@ -57,13 +56,12 @@ struct ShownView {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
 
-    /// Two recorded instants show the same surface in a pixel if their ids are equal and their inverse depths
-    /// differ by at most this fraction.
+    /// Two recorded instants show the same surface if the ids are equal and the inverse depths differ by at
+    /// most this fraction.
     static constexpr float same_depth = 0.02F;
 };
 
-/// Number of rays that are traced together. It is large enough for efficient batches, and small enough for
-/// the rays to stay in the caches.
+/// Number of rays traced together: enough for efficient batches, and few enough for the caches.
 inline constexpr std::size_t lines_together = 4096;
 
 /// The samples of views that rays replace in a tile.
@@ -71,20 +69,20 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts the samples with reflections or refractions that set_aside_trees has tested, and
-    /// `with_sure_trees` those of them for which the records suffice.
+    /// Number of samples with reflections or refractions that were tested, and number of those with
+    /// sufficient records.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// Bit mask per pixel. Bit u is set if rays replace the view's sample from its recorded instant u.
+    /// Bit mask per pixel. Bit u: a ray replaces the view's sample from its recorded instant u.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Replaces a view's samples by rays where the records do not determine the directly visible surface.
-    /// Rays also replace all samples of surfaces that reflect or transmit if something moves (a reflection
-    /// moves differently from its mirror) or if `parents_too` is set. Where the lens transmits no light, no
-    /// ray is traced, and only the sample's weight is added to `recorded`.
+    /// Pixels without light from the lens need no ray; only their weight is added to `recorded`.
+    /// If something moves or `parents_too` is set, rays also replace all surfaces that reflect or transmit. A
+    /// reflection moves differently from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
-    /// light. `u` is the index of the use (recorded instant of the view) that is tested.
+    /// light. `u` is the index of the view's tested instant.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -93,8 +91,8 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels in which a ray may replace the view's sample. This fast test excludes most pixels
-    /// from the slower test in set_aside.
+    /// Lists the pixels in which a ray may replace the view's sample. This fast test precedes the slower one
+    /// in set_aside.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -113,9 +111,10 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded radiance of the view's samples that are to be checked, except those that rays
-    /// replace. Must be called for both recorded instants `u` of the view, if it has two. `number` is the
-    /// index of the view in its set. `trees` is null if no reflections or refractions are drawn.
+    /// Stores the recorded radiance of the view's samples to be checked. Samples that rays replace are
+    /// skipped.
+    /// Call for each recorded instant `u` of the view. `number` is the view's index in its set. `trees` may
+    /// be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -127,9 +126,8 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Recorded radiance of the checked samples: `noted_` for the pixels of the current view, `recorded_` for
-    /// each ray. Component w is the share of the sample that comes from records, not from a ray. The other
-    /// components are the recorded radiance times w.
+    /// Recorded radiance of the checked samples: `noted_` per pixel of the current view, `recorded_` per ray.
+    /// w is the share of the sample that comes from records; the other components are weighted by w.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -63,8 +63,8 @@ void LeafPieces::add_leaf(std::uint32_t index, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, cell, index);
         return;
     }
-    // A corner of the leaf may see the same surface (SheetKey) several times, at different depths. The
-    // nearest hits at the four corners form one group, the second nearest hits another, and so on.
+    // A corner may see the same surface several times, at different depths. The n-th nearest hits of the four
+    // corners form group n.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
@@ -148,7 +148,7 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
 
 LeafPieces::Beside LeafPieces::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
     Beside out;
-    // The nodes at a corner of the quadtree leaf are sorted from near to far.
+    // A corner's nodes are sorted from near to far.
     for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;

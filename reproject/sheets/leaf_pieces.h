@@ -1,4 +1,4 @@
-// Divides the quadtree leaves of a square of the raster into pieces. Each piece shows one surface.
+// Divides the quadtree leaves of a raster square into pieces that each show one surface.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// A square of the raster: the columns [first_pixel, last_pixel) of the first `rows` rows of a band of raster
-/// rows. The records of this band determine the quadtree leaves.
+/// A square of the raster: columns [first_pixel, last_pixel) and the first `rows` rows of a band of raster
+/// rows.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
@@ -28,18 +28,17 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of elements of node[] in use. 4: they lie at the leaf's corners. 1: node[0] is the only node
-    /// and lies at (at_x, at_y) px from the cell's corner.
+    /// Number of elements of node[] in use. 4: one at each corner of the leaf. 1: a node at (at_x, at_y) px
+    /// from the cell's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// Whether it is uncertain that this quarter of the leaf shows the surface (SheetNode::maybe).
+    /// Whether this quarter of the leaf may not show the surface (SheetNode::maybe).
     bool maybe = false;
 };
 
-/// Divides quadtree leaves into pieces. A leaf is one piece if its four corners see one surface and the depth
-/// is continuous. Otherwise it is divided into quarters, and each quarter shows the surface that is seen at
-/// its corner of the leaf.
+/// Divides quadtree leaves into pieces. If the four corners see one continuous surface, the leaf is one
+/// piece. Otherwise each quarter is a piece that shows the surface at its corner.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
@@ -47,8 +46,8 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys. The pieces have
-    /// the order of their quadtree leaves. Must be called once after each `collect`.
+    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys and of leaves. Call
+    /// once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -59,15 +58,15 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Returns whether inverse depths from `low` to `high`, in 1/m, may belong to one surface within a square
-    /// of `size` px.
+    /// Returns whether inverse depths from `low` to `high`, in 1/m, may belong to one surface within `size`
+    /// px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// Hits of one surface (SheetKey) at the corners of a quadtree leaf. A corner may see the surface several
-    /// times, at different depths. Group n contains the n-th nearest hit of each corner.
+    /// Hits of one surface at the corners of a quadtree leaf. A corner may see it several times; group n
+    /// contains the n-th nearest hits.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -77,8 +76,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// What lies at a corner of a quadtree leaf: a given surface (`here`), nearer surfaces (`before`) or
-    /// farther surfaces (`behind`).
+    /// What a corner of a quadtree leaf shows: a given surface (`here`), nearer ones (`before`) or farther
+    /// ones (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -96,9 +95,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface: `key_pieces_` counts its pieces, until sort_pieces replaces the count by the end of
-    /// these pieces in sorted_. `key_group_` contains its first Group at the current quadtree leaf. After
-    /// use, the values are reset to 0 and `none`, respectively.
+    /// `key_pieces_`: the number of each surface's pieces; after sort_pieces, the end of its pieces in
+    /// sorted_. Reset to 0 after use.
+    /// `key_group_`: each surface's first Group at the current leaf. Reset to `none` after use.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -6,12 +6,12 @@
 namespace postlens {
 namespace {
 
-/// Largest slope of a surface relative to the film, as a tangent. If the slope between two samples is larger,
-/// the samples belong to two different surfaces.
+/// Largest slope of a surface relative to the film, as a tangent. Samples with a larger slope between them
+/// belong to two surfaces.
 constexpr double steepest_slope = 40;
 
-/// Combines the shading-tree nodes of one sample and layer into a single surface, with their total radiance.
-/// Returns false if none of these nodes is seen directly.
+/// Combines the shading-tree nodes of one sample and layer into a surface with their total radiance. Returns
+/// false if none of the nodes is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -32,8 +32,7 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope is a depth difference divided by a width. At depth z, the depth difference is z times the
-    // relative difference of the inverse depths. The width is z times the tangent `across`, so z cancels.
+    // The slope is a depth difference divided by a width. Both are proportional to the depth, which cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -46,9 +45,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Groups records by sample and layer. Layer 0 has the surfaces that the pinhole sees. Calls take(visible,
-/// first, last) for each group [first, last), in ascending order of layers, and done() after each sample.
-/// `visible` is the sample's first record of layer 0. Positions without such a record are skipped.
+/// Calls take(visible, first, last) for the records [first, last) of each sample and layer, in ascending
+/// order of layers, and done() after each sample.
+/// `visible` is the sample's first record of layer 0 (the surface that the pinhole sees).
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -62,8 +61,7 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // In a pixel, the records of layer 0 come first, followed by those of deeper layers. Within a layer,
-        // records are sorted by (y, x).
+        // A pixel's records are sorted by layer, and within a layer by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -93,8 +91,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// Returns the record in [first, last) that has the given path (reflections and transmissions from the eye),
-/// or null if there is none.
+/// Returns the record of [first, last) with the given path (reflections and transmissions from the eye), or
+/// null.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -117,8 +115,7 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// For each shading-tree node in [first, last), finds the index of its parent node. If the parent is missing
-/// from this range, the node gets its own index.
+/// Finds the index of each node's parent in [first, last). A node without a parent there gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -129,22 +126,20 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the matrix W of a shading-tree node, which describes how the node's image moves with the lens
-/// point. A node at depth z' that is seen directly has W = I / z'.
+/// Returns W, the matrix that describes how the node's image moves with the lens point. It is I / z' for a
+/// node seen directly.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
 
-/// Returns the spectral norm of a - b, that is, the greater singular value.
+/// Returns the spectral norm (greater singular value) of a - b.
 float departure(const Mat2& a, const Mat2& b) {
     const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and the marks (flags) of each node to all its ancestors (TreeSurface::below and
-/// marks_below). TreeSurface::strays of an ancestor becomes the largest difference between its matrix W
-/// (motion of the image with the lens point) and that of a descendant. Nodes brighter than `bright_above` are
-/// drawn separately, so their ancestors get an infinite value.
+/// Adds each node's radiance and marks (flags) to its ancestors, and updates their TreeSurface::strays. Nodes
+/// brighter than `bright_above` are drawn separately, so they make `strays` infinite.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -172,7 +167,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         trees->offsets.assign(1, 0);
         trees->any_below = false;
     }
-    // Memory is reserved at once. Growing the lists step by step would touch several times as much memory.
+    // Reserved at once, because step-by-step growth would touch several times as much memory.
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
     const std::size_t most =
         band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
@@ -217,8 +212,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // Finds the end of the shading tree of layer 0: the first record of another position or
-                    // layer.
+                    // The end of layer 0's shading tree: the first record of another position or layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

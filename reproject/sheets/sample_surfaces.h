@@ -1,5 +1,4 @@
-// Converts records to surfaces: either one per layer of a point sample, with the radiance of its whole
-// shading tree, or one per node of the shading tree.
+// Converts records to surfaces: one per layer of a point sample, or one per node of its shading tree.
 #pragma once
 
 #include <array>
@@ -11,8 +10,8 @@
 
 namespace postlens {
 
-/// One layer of a point sample. It has the depth and id of the surface that the eye ray hits, and the
-/// radiance of the whole shading tree.
+/// One layer of a point sample: depth and id of the surface that the eye ray hits, and radiance of its whole
+/// shading tree.
 struct LayerSurface {
     float inverse_z = 0;  ///< 1/m; 0 if infinitely far
     float r = 0, g = 0, b = 0;
@@ -30,43 +29,42 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// For each of the two children (reflected and transmitted), all marks (flags) that occur in its subtree.
+    /// For each of the two children (reflected and transmitted), the marks (flags) that occur in its subtree.
     std::array<std::uint8_t, 2> marks_below{};
     /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// The matrix W describes how a node's image moves with the lens point. For each of the two children,
-    /// this is the largest spectral norm, in 1/m, of the difference between this node's W and that of a node
-    /// in the child's subtree. Nodes brighter than `bright_above` (find_trees) make it infinite, because they
-    /// are drawn separately.
+    /// For each of the two children, the largest spectral norm, in 1/m, of the difference between this node's
+    /// W and that of a node in the child's subtree.
+    /// Infinite for nodes brighter than `bright_above` (find_trees), because they are drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface: the line through both may be inclined to the film by
-/// at most 88.6 degrees. A sphere of 1600 px radius exceeds this only within half a pixel of its outline.
-/// `across` is the distance of the samples on the film: divided by the film distance for a perspective
-/// camera, and in m for an orthographic one.
+/// Returns whether two samples can lie on one surface: the line through both is inclined to the film by at
+/// most 88.6 degrees. A sphere of 1600 px radius exceeds this only within half a pixel of its outline.
+/// `across` is the samples' distance on the film: divided by the film distance for a perspective camera, in m
+/// for an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
-/// perspective camera, and m for an orthographic one.
+/// Returns the size of a pixel in the unit of is_one_surface's `across`: a tangent for a perspective camera,
+/// m for an orthographic one.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
-/// The surfaces of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of `surfaces`,
-/// sorted from the nearest layer to the farthest.
+/// The surfaces of point samples. Sample i has the elements [offsets[i], offsets[i + 1]), from the nearest
+/// layer to the farthest.
 struct SampleSurfaces {
     std::vector<LayerSurface> surfaces;
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces that point samples show, one in each layer. Layer 0 is visible from the pinhole, and
-/// layer n is the n-th surface behind it. A layer is skipped if only its reflections or refractions are
-/// recorded, and not the surface itself. `points` were read from `band`, from row y_begin on.
+/// Finds the surfaces of point samples: layer 0 is visible from the pinhole, and layer n is the n-th surface
+/// behind it. Layers without a directly seen surface are skipped.
+/// `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of
-/// `nodes`, sorted from the nearest layer to the farthest. Within a layer, nodes are sorted by path.
+/// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]), sorted
+/// from near to far layers, and within a layer by path.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
@@ -74,12 +72,12 @@ struct SampleTrees {
 };
 
 /// Finds the surfaces of the samples `points`, one for each node of their shading trees. Primary nodes of all
-/// layers go to `primary`, and reflected and transmitted nodes go to `deeper`. `points` were read from the
-/// rows of `band` from y_begin on.
+/// layers go to `primary`, and reflected and transmitted nodes to `deeper`. `points` were read from `band`,
+/// from row y_begin on.
 ///
-/// A layer without a primary node contains surfaces that are hidden within a reflection or refraction of
-/// layer 0. Nodes of such a layer are used only if their parents are recorded. Nodes that are brighter than
-/// `bright_above` in any channel are never drawn as part of their parents (TreeSurface::strays).
+/// A layer without a primary node shows surfaces that are hidden within a reflection or refraction of layer
+/// 0. Its nodes are used only if their parents are recorded. Nodes brighter than `bright_above` in any
+/// channel are never drawn as part of their parents (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

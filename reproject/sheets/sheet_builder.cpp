@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A quadtree leaf with a higher contrast is assumed to contain an edge. Used for files without a threshold,
-/// whose pixels `trace` has not divided.
+/// A quadtree leaf with a higher contrast is assumed to contain an edge. Used for files without a threshold
+/// of their own.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -61,24 +61,22 @@ bool SheetBuilder::is_unsure_below(const LeafPiece& piece) const {
     return false;
 }
 
-// Whether the contrast, as defined in [mitchell1987], exceeds the threshold. `trace` uses the same rule to
-// divide pixels.
+// Whether the contrast [mitchell1987] exceeds the threshold. `trace` divides pixels by the same rule.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // A part of a pixel that belongs to one surface, with its range of 1/z'. If the depths in a pixel differ
-    // too much for one surface, the pixel has several parts.
+    // A part of a pixel that belongs to one surface, with its range of 1/z'. A pixel whose depths differ too
+    // much has several parts.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether a piece of this part overlaps `p`. If so, one lies behind the other in the same leaf,
-    // so they show different surfaces, even if their depths hardly differ. Pieces that may not show the
-    // surface (`maybe`) are ignored. The pieces of a leaf are consecutive in `part.pieces`.
+    // Returns whether a piece of this part overlaps `p` in the same leaf. Then one lies behind the other, so
+    // they show different surfaces. Pieces that may not show the surface (`maybe`) do not count.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -276,8 +274,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The leaves of a surface are usually in quadtree order, so those of a subtree are consecutive.
-        // Otherwise, a stable partition makes them consecutive.
+        // A surface's leaves are usually in quadtree order, so a subtree's leaves are consecutive. Otherwise
+        // a stable partition makes them consecutive.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
@@ -290,8 +288,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
-    // Fits planes around the cell's centre by least squares. A regularisation term keeps slopes small if the
-    // samples hardly determine them.
+    // Fits planes around the cell's centre by least squares. A regularisation term keeps poorly determined
+    // slopes small.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

@@ -1,5 +1,4 @@
-// Builds the sheets of one square of the raster from quadtree leaves. Each surface in the square becomes a
-// sheet.
+// Builds the sheets (one per surface) of one square of the raster from quadtree leaves.
 #pragma once
 
 #include <array>
@@ -16,9 +15,9 @@
 namespace postlens {
 
 /// Builds sheets (surfaces within a square of the raster) from the samples at the corners of quadtree leaves.
-/// If all four corners of a leaf see one surface, the leaf gets the mean of their colours. Otherwise, or if
-/// the depth is discontinuous, each quarter of the leaf gets the colour of its corner. Parts of an object
-/// whose depths differ too much for one surface become different sheets.
+/// Parts of an object with too different depths become different sheets.
+/// If a leaf's four corners see one continuous surface, the leaf gets their mean colour. Otherwise each
+/// quarter gets the colour of its corner.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -27,15 +26,14 @@ class SheetBuilder {
     void build(const SheetSquare& square);
 
   private:
-    /// Returns whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or
-    /// texture must cross the leaf.
+    /// Returns whether the colours at the leaf's corners differ so much that the edge of a shadow or texture
+    /// must cross it.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the marks (flags, RecordMark) that are set in the records at all four corners. A mark may say,
-    /// for example, that the texture is finer than the samples.
+    /// Returns the marks (flags, RecordMark) that the records at all four corners have, such as a texture
+    /// finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the light that the surface reflects or transmits is uncertain within the leaf: it
-    /// differs strongly between the leaf's corners, or its records at all corners have the same flag
-    /// (RecordMark), for a gap or a too fine texture.
+    /// Returns whether the reflected or transmitted light is uncertain within the leaf. Its contrast between
+    /// the corners is high, or all corners have the same mark (RecordMark).
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -45,14 +43,13 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Stores that all highlights from index `first_light` on belong to the texel (colour of a quadtree leaf)
-    /// that was added last. `area` is the texel's area in px^2.
+    /// Assigns all highlights from index `first_light` on to the texel (colour of a quadtree leaf) added
+    /// last. `area` is the texel's area in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet (surface within the square) under construction. Its pixels have the same order as the pixels
-    /// of the square.
+    /// A sheet (surface within the square) under construction, with the pixels in the order of the square.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

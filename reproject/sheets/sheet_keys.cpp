@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as closely behind another one if their 1/z' differ by at most this fraction. At larger
-/// distances, the errors of the fitted depth planes are too small to change the order of the surfaces.
+/// A surface is closely behind another if their 1/z' differ by at most this fraction. Beyond it, errors of
+/// the fitted depth planes cannot change the surfaces' order.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -1,5 +1,4 @@
-// Numbers the distinct sheet keys of shading-tree nodes. A sheet key identifies the surface to which a node
-// belongs.
+// Numbers the distinct sheet keys of shading-tree nodes. A sheet key identifies the surface of a node.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +14,7 @@ struct SheetKeys {
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// Finds the surface to which each node (hit) of `trees` belongs. Four facts identify a surface: its object,
-/// the path from the eye to it, the object that reflects or transmits it, and whether it lies closely behind
-/// another surface.
+/// Finds the surface (SheetKey) to which each node of `trees` belongs.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

@@ -18,18 +18,18 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Numbers of elements that earlier tasks have added to the joined mesh. They are added to the indices in the
-/// mesh of a task.
+/// Numbers of elements that earlier tasks have added to the joined mesh, i.e. the offsets of a task's
+/// indices.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// After a list of more than this many bytes has been joined, freed memory is returned to the system. For
-/// smaller lists, this would take too long.
+/// After joining a list of more than this many bytes, freed memory is returned to the system. For smaller
+/// lists, this takes too long.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the meshes that several tasks have made, list by list, and frees the lists of the tasks. The indices
-/// in each task start at 0, so they are renumbered.
+/// Joins the meshes of several tasks, list by list, and frees the tasks' lists. Indices are renumbered,
+/// because they start at 0 in each task.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -86,8 +86,8 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// A row of squares of the raster, with its quadtree leaves, their nodes and the sheet keys (surfaces) of the
-/// nodes.
+/// A row of squares of the raster, with its quadtree leaves, their nodes and the nodes' surfaces (sheet
+/// keys).
 struct Strip {
     int y = 0, y_end = 0;
     PixelLeaves leaves;
@@ -116,8 +116,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Returns the number of strips (`edge` raster rows each) that are read together, beginning at row y. They
-/// are enough to occupy all threads, and few enough for their records to stay in a cache.
+/// Returns how many strips (`edge` raster rows each) are read together from row y on: enough for all threads,
+/// and few enough for a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t most = 64;
@@ -166,8 +166,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row that was read only provides the lower corners of the pixels above it. The next call
-        // reads this row again, so it is passed to `also` only if it is the last row of the file.
+        // The last row only provides the lower corners of the pixels above it. The next call reads it again,
+        // so only the file's last row is passed to `also` here.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -197,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // While `choice.squares` runs, this thread may start another task, which overwrites the
-            // thread-local `made`. The function therefore gets a copy.
+            // A copy, because this thread may start another task while `choice.squares` runs. That task would
+            // overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

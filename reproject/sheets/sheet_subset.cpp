@@ -30,8 +30,8 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Returns the finished mesh. Must be called after the last `add`. For each sheet of the mesh `from_`,
-    /// `number` has its index in the new mesh, or SheetNode::none if the sheet is not copied.
+    /// Returns the finished mesh, after the last `add`. `number` maps sheets of `from_` to their new index,
+    /// or to SheetNode::none if they are not copied.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets whose entry in `wanted` is not 0, with their pixels, quadtrees and colours. The sheets
-/// keep their order. Must be called before take_highlights, because highlights are not copied.
+/// Copies the sheets whose entry in `wanted` is not 0, in the same order. Call before take_highlights,
+/// because highlights are not copied.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens
