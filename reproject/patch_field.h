@@ -80,8 +80,8 @@ struct PatchViews {
     /// Appends to `views` the indices of the views whose samples in pixel (x, y) are compared with rays
     /// (PatchPicture::checks). May be empty. Only used with `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Selects pixels whose highlights are checked by rays aimed at them. Returns the probability with which
-    /// pixel (x, y) was selected, or 0 if it was not. May be empty. Only used with `checked`.
+    /// Returns the probability with which pixel (x, y) was selected to check its highlights by rays aimed at
+    /// them; 0 if it was not. May be empty. Only used with `checked`.
     std::function<double(int x, int y)> aimed;
     /// Index of this set's image in the argument `out` of patch_field. Sets of the same image must draw
     /// different pieces of it.
@@ -103,13 +103,11 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The recorded part of the raster: its first pixel, and one past its last pixel. Unrecorded surfaces
-    /// outside it may hide what a view sees.
-    /// With rays or motion, pixels that they may hide are unknown. This is not tested if both values are
-    /// equal, which is not allowed with rays.
+    /// The recorded part of the raster: its first pixel, and one past its last. Unrecorded surfaces outside
+    /// it may hide what a view sees; if both are equal, none are assumed. Must be set with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Largest |x| and |y| of a lens point, in m times film distance / pixel pitch (px m). Rays and
-    /// TileViews::patches need it, to find surfaces that only other lens points see.
+    /// TileViews::patches need it, because they also need surfaces that no view sees.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -138,10 +136,9 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels. The first three are the
-    /// highlights' light in r, g and b.
-    /// The fourth is the square of their radiance in the brightest channel, averaged over rays through the
-    /// lens.
+    /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels:
+    /// - r, g and b of the highlights' light;
+    /// - mean, over rays through the lens, of the squared radiance in the highlights' brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A random line from a pixel to a highlight. The highlights' light in the pixel is the mean, over such

@@ -86,7 +86,7 @@ class FrameMotion {
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
     /// Returns the map that moves points of the object `id` on the raster between two instants. `id` 0 is the
-    /// background at infinity. The map is exactly the identity if nothing moves.
+    /// background at infinity. If nothing moves, the map is exactly the identity.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
     /// Returns the sorted instants at which the object's or the camera's velocity may change abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;

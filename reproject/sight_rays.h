@@ -70,8 +70,8 @@ class SightRays {
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes 1/z' of the point where each line meets the object `id`, in 1/m, and its gradient over the
-    /// raster, in 1/m per px; or 0 if the line misses it. Thread-safe. Only for static scenes.
+    /// For each line, writes 1/z' of its hit on the object `id`, in 1/m, and the gradient of 1/z' over the
+    /// raster, in 1/m per px. Writes 0 for misses. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by

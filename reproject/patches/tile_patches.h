@@ -52,10 +52,9 @@ class PatchBins {
     /// Returns whether more than `most` reflected and transmitted patches of one instant may appear in a
     /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Call after
-    /// `gather`.
-    /// Paths (sequences of reflections and transmissions) without patches there are listed too, so that
-    /// TreeSums reports their surfaces as unrecorded.
+    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
+    /// Paths (sequences of bounces) without patches there are listed too, so that their surfaces count as
+    /// unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

@@ -220,7 +220,7 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
         // If a view lacks the parent (the surface that reflects or transmits this one), it may not need this
-        // surface. `inflated` gives such views the mean of the views with the parent.
+        // surface. `inflated` gives such views the mean of the others.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -5,8 +5,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2 of the recorded raster, that one pixel of the view shows at raster point `p`.
-/// Assumes a surface parallel to the film. Returns nothing if the recording camera does not see it.
+/// Returns the area, in px^2 of the recorded raster, that a pixel of the view shows at raster point `p`, if
+/// the surface is parallel to the film. Returns nothing outside the recorded raster.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});

@@ -43,9 +43,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether use `u` shows an outline in pixel `k` less precisely than the other use. Then its
-    /// quadtree leaf is larger than a pixel of the view, and the other use has recorded the object at a
-    /// larger size.
+    /// Returns whether use `u` shows an outline in pixel `k` less precisely than the other use: from a
+    /// quadtree leaf larger than the view's pixel, and recorded at a smaller size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {

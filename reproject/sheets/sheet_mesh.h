@@ -180,8 +180,8 @@ struct SheetChoice {
     /// Called by several threads, before highlights are taken out. If empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read; it begins at raster row y. Appends this row's needed
-    /// sheets, kept from an earlier reading, to `parts` from left to right.
+    /// Called for each row of squares that is not read; it begins at raster row y. Appends this row's sheets
+    /// from an earlier reading to `parts`, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
