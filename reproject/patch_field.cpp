@@ -41,11 +41,11 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Number of views between two tests whether the user has cancelled. A tile may have thousands of views.
+/// Number of views between two checks whether the user has cancelled. A tile may have thousands of views.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, the program decides whether rays replace all samples with reflections or
-/// refractions. Rays are faster if the records lack more than half of these samples.
+/// After this many views, the program decides whether rays replace all reflections and refractions. Rays are
+/// faster if the records lack data for more than half of them.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -321,7 +321,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must use one recorded instant and have no `passes`.
+    /// Adds all pixels of a view to the sums. The view must use one recorded instant, and its lens must
+    /// transmit light to all pixels.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

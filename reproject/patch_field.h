@@ -30,7 +30,7 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// Maps from the recorded instant to the view's instant, one per class of objects that move alike.
+        /// Motions from the recorded instant to the view's instant, one per class of objects that move alike.
         /// Empty if nothing moves.
         std::vector<RasterMap> motions;
     };
@@ -70,8 +70,8 @@ struct PatchViews {
     /// Adds highlights (bright spots that the lens spreads over many pixels) to the image. Null if there are
     /// none. Called by several threads.
     const class Lights* lights = nullptr;
-    /// Traces the samples whose colour the records do not determine. If null, all samples keep their recorded
-    /// colours.
+    /// Ray tracer for the samples whose colour the records do not determine. If null, all samples keep their
+    /// recorded colours.
     const SightRays* rays = nullptr;
     /// Returns what rays replace in the image square that contains pixel (x, y). If empty, it is
     /// LeftToRays::unsure. Only used with `rays`.
@@ -103,8 +103,8 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The recorded part of the raster: its first pixel, and one past its last. Unrecorded surfaces outside
-    /// it may hide what a view sees; if both are equal, none are assumed. Must be set with rays.
+    /// The recorded part of the raster: its first pixel, and one past its last. If set, unrecorded surfaces
+    /// beyond it may hide what a view sees. Must be set with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Largest |x| and |y| of a lens point, in m times film distance / pixel pitch (px m). Rays and
     /// TileViews::patches need it, because they also need surfaces that no view sees.

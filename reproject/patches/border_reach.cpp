@@ -131,8 +131,8 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels that may show a surface beyond the raster's border. It is assumed to have the
-        // depth of border pixel `s`, at position `along` the border.
+        // Marks the pixels that may show a surface beyond the raster's border. It is assumed to lie at
+        // position `along` the border, at the depth of border pixel `s`.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
             // The surface may continue at an angle to the border. So one more pixel is marked on both sides.

@@ -21,8 +21,8 @@ class BorderReach {
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
     /// Returns whether any view may see, in the tile, a surface outside the recorded pixels.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Writes the inverse depth of such surfaces to SeenTile::maybe_inverse_z, in the pixels in which the
-    /// view may see them.
+    /// Writes the inverse depth of surfaces outside the recorded pixels to SeenTile::maybe_inverse_z, where
+    /// the view may see them.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -48,11 +48,11 @@ class BorderReach {
         /// Largest displacement of this side's pixels in all views, in px: `deepest_px` into the raster,
         /// `sideways_px` along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges both bounds to include all displacements that differ from `moved_px` by at most
-        /// `around_px` per axis.
+        /// Enlarges `deepest_px` and `sideways_px` to include displacements that differ from `moved_px` by up
+        /// to `around_px` per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges both bounds to include the displacements of moving pixels in all views of `span`, a part
-        /// of the exposure.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of moving pixels in all views
+        /// of `span`, a part of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };

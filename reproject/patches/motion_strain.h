@@ -22,7 +22,7 @@ struct StrainOfMotions {
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };
-/// A prime, so that a periodic motion is not in the same phase in all of these views.
+/// A prime number of views, so that a periodic motion does not have the same phase in all of them.
 inline constexpr int strain_views = 17;
 
 }  // namespace postlens

@@ -59,11 +59,11 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Factor of a patch's inverse depth in the margin beyond its sides. There, it overlaps its neighbour and
-/// must lie behind it.
+/// Factor of a patch's inverse depth in the margin beyond its sides. There, the patch overlaps its neighbour
+/// and must lie behind it.
 constexpr float in_overlap = 1 - 1e-3F;
 
-/// Element n is 1 << n. Some instruction sets cannot shift each lane by a different number of bits.
+/// A table of 1 << n, because some instruction sets cannot shift each lane by a different number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
@@ -115,8 +115,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends a quadtree from `node` to the leaf that contains the position (x, y), given in the cell from 0 to
-/// 1.
+/// Descends a quadtree from `node` to the leaf that contains the position (x, y). It is relative to the cell,
+/// from 0 to 1.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;

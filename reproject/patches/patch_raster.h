@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may cover the pixel, because the records do not resolve its
-    /// edge (SheetNode::maybe). Surfaces behind one drawn earlier do not count.
+    /// Inverse depth of the nearest surface with an unresolved edge, which may cover the pixel
+    /// (SheetNode::maybe). Surfaces behind one drawn earlier do not count.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {

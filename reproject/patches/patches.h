@@ -27,8 +27,8 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted surface is drawn as part of the surface that shows it, if both move alike
-    /// within this many px for all lens points.
+    /// A reflected or transmitted surface is drawn as part of the surface that shows it, if the images of
+    /// both move alike, within this many px, for all lens points.
     /// Other such surfaces are drawn separately. A negative value separates all, and all_follow none.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
@@ -92,7 +92,7 @@ struct PatchMesh {
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
     /// Returns whether an edge crosses a texel's quadtree leaf, so that the recorded colours do not determine
-    /// the leaf's colour. Edges in `follows` reflections and refractions count too.
+    /// the leaf's colour. Reflections and refractions drawn as part of the texel count too.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The first and last view within 1/64 of the exposure; equal if there is only one. Between the two, a moving
-/// surface is assumed to stay near the straight line between its positions: closer than the line's length.
+/// The first and last view within 1/64 of the exposure (the same if there is only one). Between them, a
+/// moving surface is assumed to deviate from a straight line by less than the line's length.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// If fewer than this fraction of the views that need a reflected or transmitted surface see it, the radiance
-/// seen from the pinhole is blended in.
+/// Views may lack a recorded reflected or transmitted surface that they need. If fewer than this fraction see
+/// it, the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -83,8 +83,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Where the parent (the surface that reflects or transmits this one) is missing, the parent and the
-        // nearest visible ancestor must lie on one object.
+        // Where the parent (the surface that reflects or transmits this one) is missing, this surface is
+        // drawn only if the nearest visible ancestor lies on the parent's object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);

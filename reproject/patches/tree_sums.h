@@ -80,8 +80,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a surface of this path in the tile. end_views adds the radiance of surfaces
-        /// seen in it, because they may be missing with it.
+        /// Largest radiance of this path's surfaces in the tile. end_views adds that of the surfaces seen in
+        /// them, because a view that lacks a surface also lacks its reflections.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -91,8 +91,8 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the surfaces that are seen in the surface of `chain` to their own sums, if pixel k of a view
-    /// lacks only the latter. Returns whether there are any.
+    /// If pixel k of a view lacks the surface of `chain`, but shows surfaces that it reflects or transmits,
+    /// adds these to their own sums. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
     /// Returns the object in which pixel k shows the surfaces of `chain`: the parent surface's object, or if
     /// the view misses it, the nearest visible ancestor's.

@@ -28,12 +28,13 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the object that pixel `k` shows, as recorded at use `u` (0 or 1) of the view.
+    /// Returns the object that pixel `k` shows, as recorded at instant `u` (0 or 1) of the view.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of use `u` in pixel `k`. If both uses show the same surface, their colours are
-    /// blended. Otherwise the nearer surface counts, unless its outline is imprecise (has_vague_outline).
+    /// Returns the weight of the view's recorded instant `u` in pixel `k`. If both instants show the same
+    /// surface, their colours are blended. Otherwise the nearer surface counts, unless its outline is
+    /// imprecise.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -43,8 +44,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether use `u` shows an outline in pixel `k` less precisely than the other use: from a
-    /// quadtree leaf larger than the view's pixel, and recorded at a smaller size.
+    /// Returns whether recorded instant `u` shows an outline in pixel `k` less precisely than the other
+    /// instant: by a quadtree leaf larger than the view's pixel, and recorded at a smaller size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {

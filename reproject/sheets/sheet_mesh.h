@@ -157,8 +157,8 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which bright surfaces become highlights, whose light impulse responses spread over the image. A
-/// highlight is each channel's radiance beyond `above`.
+/// Decides which bright surfaces become highlights. A highlight is the radiance of each channel beyond
+/// `above`; an impulse response spreads it over the image.
 struct HighlightRule {
     float above = 1;
     /// Returns whether `light` becomes a highlight. `key` and `sheet` describe its sheet. If empty, nothing
