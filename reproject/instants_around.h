@@ -12,8 +12,8 @@ struct InstantShare {
 };
 
 /// Returns the recorded instants just before and just after `time_s`, with their weights for linear
-/// interpolation. Outside the recorded interval, returns only the nearest instant. `instants_s` must not be
-/// empty, and may have any order.
+/// interpolation. Outside the recorded interval, returns only the nearest instant. `instants_s` (in any
+/// order) must not be empty.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

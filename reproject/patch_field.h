@@ -106,8 +106,8 @@ struct PatchField {
     /// The recorded part of the raster: its first pixel, and one past its last. If set, unrecorded surfaces
     /// beyond it may hide what a view sees. Must be set with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of a lens point, in m times film distance / pixel pitch (px m). Rays and
-    /// TileViews::patches need it, because they also need surfaces that no view sees.
+    /// Largest |x| and |y| of a lens point, in m times film distance / pixel pitch (px m). Needed for rays
+    /// and TileViews::patches.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -158,7 +158,7 @@ class Lights {
 };
 
 /// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
-/// the recorded radiance. It is 0 if the image already uses the ray.
+/// the recorded radiance, or 0 if the image uses the ray.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
@@ -199,8 +199,8 @@ struct PatchPicture {
 /// Draws the sets of views into the images `out`, which have the size of the field. Pieces of an image that
 /// no set draws keep their values. The result is bit-identical for any number of threads.
 ///
-/// Several calls give the same result as one, unless there are rays and moving objects. Then, more views in a
-/// call mean more patches in a piece, and rays may replace all surfaces that reflect or transmit.
+/// Several calls give the same result as one, unless there are rays and moving objects. Then, rays may
+/// replace more surfaces if a call has more views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

@@ -21,9 +21,8 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the ray's random samples (points on lights, directions of scattering lobes): the indices of a
-    /// set of views and of a view in it.
-    /// The samples are stratified over the views of a set, and independent between sets.
+    /// Seed of the ray's random samples of lights and scattering lobes: the index of a set of views, and of a
+    /// view in it. Samples are stratified over the views of a set, and independent between sets.
     std::uint32_t set = 0, view = 0;
 };
 

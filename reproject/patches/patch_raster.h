@@ -132,11 +132,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 /// separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a reflected or transmitted patch with a depth test, in the pixels that show its parent (the object
-/// that reflects or transmits it). The patch may be mirror-inverted.
-/// It is skipped if the view stretches a raster px to more than `largest_torn_px`. `out` must come from
-/// find_wanted.
-/// If Patch::bent is set, the patch is not drawn where the parent is unrecorded (WantedPixels::any_gaps).
+/// Draws a reflected or transmitted patch in the pixels of `wanted`, with a depth test. The patch may be
+/// mirror-inverted. It is skipped if the view stretches a raster px to more than `largest_torn_px`. `out`
+/// must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

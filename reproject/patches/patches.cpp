@@ -354,6 +354,7 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
+        // The map is singular at the scene point's depth, so parts near this depth must be small.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

@@ -27,9 +27,8 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted surface is drawn as part of the surface that shows it, if the images of
-    /// both move alike, within this many px, for all lens points.
-    /// Other such surfaces are drawn separately. A negative value separates all, and all_follow none.
+    /// A reflected or transmitted surface is drawn as part of the surface that shows it if their
+    /// displacements differ by at most this many px. Negative: never; all_follow: always.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest position error, in px, of a cell (pixel of a surface) in a view. Blurred cells may have a
@@ -91,8 +90,8 @@ struct PatchMesh {
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether an edge crosses a texel's quadtree leaf, so that the recorded colours do not determine
-    /// the leaf's colour. Reflections and refractions drawn as part of the texel count too.
+    /// Returns whether an edge crosses a texel's quadtree leaf, so that the leaf's colour is uncertain.
+    /// Reflections and refractions drawn as part of the texel count too.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
@@ -149,9 +148,8 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to the raster along the scene point's rays. A nearer patch hides the scene
-/// point in the pixels that it covers there.
-/// The map is linearised at the patch's centre. Returns false if the map is singular.
+/// Maps a directly visible patch to the raster along the scene point's rays. The map is linearised at the
+/// patch's centre. Returns false if it is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
@@ -160,8 +158,6 @@ struct PlacedPatch {
 };
 /// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, with their maps to the raster. They
 /// may hide the scene point, whose inverse depth is `light_per_m` <= `nearest_per_m`.
-/// Within a part larger than a pixel, 1/z' - `light_per_m` varies by at most a factor of two, because the map
-/// is singular at the scene point's depth.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

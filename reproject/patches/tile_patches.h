@@ -53,8 +53,7 @@ class PatchBins {
     /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
-    /// Paths (sequences of bounces) without patches there are listed too, so that their surfaces count as
-    /// unrecorded.
+    /// Also lists paths (sequences of bounces) without patches there, whose surfaces count as unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

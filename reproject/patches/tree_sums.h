@@ -32,9 +32,8 @@ class TreeSums {
     /// Starts a view, or one of its two recorded instants. `primary` contains the view's directly visible
     /// surfaces, and must stay valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares the drawing of the surfaces with path `path`, after those of its parent path. Stores the
-    /// pixels that need them in `wanted`.
-    /// Returns the cleared tile to draw into, or null if no pixel needs them or `begin` did not get `path`.
+    /// Prepares drawing the surfaces with path `path`, and stores the pixels that need them in `wanted`.
+    /// Returns the tile to draw into, or null if no pixel needs them. Parent paths must be drawn first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether the records determine the reflected and transmitted light of pixel k. Each separately
     /// drawn surface there must be:

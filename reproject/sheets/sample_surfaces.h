@@ -43,9 +43,9 @@ struct TreeSurface {
 }
 
 /// Returns whether two samples can lie on one surface: the line through both is inclined to the film by at
-/// most 88.6 degrees. A sphere of 1600 px radius exceeds this only within half a pixel of its outline.
-/// `across` is the samples' distance on the film: divided by the film distance for a perspective camera, in m
-/// for an orthographic one.
+/// most 88.6 degrees.
+/// `across`: distance on the film, divided by the film distance for a perspective camera, or in m for an
+/// orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel in the unit of is_one_surface's `across`: a tangent for a perspective camera,
 /// m for an orthographic one.

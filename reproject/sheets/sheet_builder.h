@@ -16,8 +16,6 @@ namespace postlens {
 
 /// Builds sheets (surfaces within a square of the raster) from the samples at the corners of quadtree leaves.
 /// Parts of an object with too different depths become different sheets.
-/// If a leaf's four corners see one continuous surface, the leaf gets their mean colour. Otherwise each
-/// quarter gets the colour of its corner.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.

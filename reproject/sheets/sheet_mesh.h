@@ -49,8 +49,8 @@ struct Texel {
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
     /// Returns the bits (child_bit) of the surface's recorded reflection and refraction.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
-    /// Returns whether an edge may cross the quadtree leaf, so that its corners do not determine its colour.
-    /// The edge may be an outline, a gap, or the edge of a shadow or texture.
+    /// Returns whether an edge may cross the quadtree leaf, so that its corners do not determine its colour:
+    /// an outline, a gap, or the edge of a shadow or texture.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
     /// Returns whether light that the surface reflects or transmits shows the edge of a shadow or texture
     /// within the leaf.
@@ -120,13 +120,11 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// Roots of the cells' quadtrees (a cell is one raster pixel of a sheet). `fine` has full detail.
-    /// `coarse` is for surfaces blurred over several pixels. It stores a completely covered cell as a single
-    /// leaf.
+    /// Root of each cell's quadtree (a cell is a raster pixel of a sheet). `coarse` is for blurred surfaces:
+    /// it stores a completely covered cell as a single leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// `values` linear functions per cell, in 1/m, with the cell's centre as the origin. The first is 1/z'.
-    /// For reflected and transmitted surfaces, the entries xx, xy, yx and yy of W follow: how the image moves
-    /// with the lens point.
+    /// `values` linear functions per cell, in 1/m, with the cell's centre as the origin: 1/z' and, for
+    /// reflected and transmitted surfaces, the entries xx, xy, yx and yy of W.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
