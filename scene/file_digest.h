@@ -29,8 +29,8 @@ class Sha256 {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the SHA-256 of a file in hexadecimal digits. Throws Error(invalid_input) if the file cannot be
-/// read.
+/// Returns the SHA-256 of a file in hexadecimal digits.
+/// Throws Error(invalid_input) if the file cannot be read.
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -22,9 +22,9 @@ struct MetallicRoughness {
     bool unlit = false;  ///< emits its base colour, whatever the lights
 };
 
-/// Returns Whitted's material for a glTF material. F0 and F90 are the reflectances at normal and at grazing
-/// incidence. mix(x, y) interpolates by `metallic` between the value x of a non-metallic surface and the
-/// value y of a metallic surface.
+/// Returns Whitted's material for a glTF material.
+/// F0 and F90 are the reflectances at normal and at grazing incidence.
+/// mix(x, y) interpolates by `metallic` between x (non-metallic) and y (metallic).
 ///   a                    roughness^2
 ///   q                    (1 - roughness)^2
 ///   F0                   mix(((ior - 1) / (ior + 1))^2 specular specular_colour, base)
@@ -39,15 +39,14 @@ struct MetallicRoughness {
 ///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0), 0 at grazing angles
 ///   ambient              0.1 diffuse
 ///
-/// The highlight is as wide as that of GGX microfacets and has the same central value, 1 / (pi a^2). For this
-/// width, the exponent of Blinn's model is 2 / a^2 - 2. `shininess` is a quarter of this, because it applies
-/// to the angle from the mirrored direction. `diffuse` includes the light that a rough metal reflects from
-/// all directions. If the roughness is above 0.02, the lobes of reflected and refracted rays also have the
-/// exponent `shininess`.
+/// The highlight is as wide as that of GGX microfacets and has the same central value, 1 / (pi a^2).
+/// For this width, Blinn's exponent is 2 / a^2 - 2. `shininess` is a quarter of it,
+/// because it applies to the angle from the mirrored direction.
+/// Above a roughness of 0.02, the lobes of reflected and refracted rays have the exponent `shininess`, too.
+/// `diffuse` includes the light that a rough metal reflects from all directions.
 ///
-/// All coefficients, including the emission, are multiplied by `alpha`, because glTF blends the colour of the
-/// surface over what is behind it. If `alpha` is below 1, the remaining light passes without refraction, so
-/// the ior is 1.
+/// glTF blends a surface over what is behind it, so all coefficients and the emission are multiplied by
+/// `alpha`. If `alpha` is below 1, the remaining light passes without refraction, so the ior is 1.
 [[nodiscard]] Material whitted_material(const MetallicRoughness& from);
 
 }  // namespace postlens

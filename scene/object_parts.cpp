@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Returns, for each position, the lowest index of a position that is equal to it.
+/// Returns, for each position, the lowest index of an equal position.
 std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& positions) {
     std::vector<std::uint32_t> order(positions.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -32,8 +32,7 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh) {
-    // A side of a triangle. Sides are grouped by the lower index of their two ends, so only the higher one is
-    // stored.
+    // A side of a triangle. Sides are grouped by their lower end, so only the higher end is stored.
     struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };

@@ -1,5 +1,5 @@
-// The parts of objects: the shapes of a compound object, and the connected parts of a mesh, such as the
-// leaves of a tree. All parts of an object have the same id, but there may be gaps between them.
+// The parts of objects: the shapes of a compound object, and the connected parts of a mesh, such as leaves.
+// All parts of an object have the same id, but there may be gaps between them.
 #pragma once
 
 #include <cstddef>
@@ -18,36 +18,33 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if their
-/// vertex indices differ. Such an edge stores the lowest index of each position. An edge of triangles 2, 5
-/// and 9 is listed twice: for 2 and 5, and for 5 and 9.
+/// Returns the edges of the mesh. Edges are the same if their ends have equal positions, whatever their
+/// indices. Such an edge stores the lowest index of each position. An edge of triangles 2, 5 and 9 is listed
+/// twice: for 2 and 5, and for 5 and 9.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
-/// Returns the part to which each triangle belongs. Two triangles belong to the same part if they are
-/// connected by edges, directly or through other triangles. Parts are numbered from 0 in the order of their
-/// first triangles. Returns an empty list if the mesh has a single part. `edges` is the result of
-/// edges_of(mesh).
+/// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.
+/// Triangles that are connected by edges, also through other triangles, form a part.
+/// Parts are numbered from 0 in the order of their first triangles. `edges` is edges_of(mesh).
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
-/// The parts of all objects of a scene. Each part has its own index.
+/// The parts of all objects of a scene, each with its own index.
 class ObjectParts {
   public:
     explicit ObjectParts(const Scene& scene);
     /// Returns true if any object has several parts.
     [[nodiscard]] bool any() const { return any_; }
-    /// Returns the index of a part. `object` is an index into Scene::objects. `triangle` is the index of a
-    /// triangle of the object's mesh, and is ignored for other shapes.
+    /// Returns the index of a part, for an index into Scene::objects and a triangle of its mesh.
+    /// For other shapes, `triangle` is ignored.
     [[nodiscard]] std::uint32_t part(std::size_t object, std::size_t triangle) const {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns the result of parts_of for the mesh of an object, or an empty list if the object is not a
-    /// mesh.
+    /// Returns parts_of the mesh of an object, or an empty list if the object is not a mesh.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }
-    /// Returns the result of edges_of for the mesh of an object, or an empty list if the object is not a
-    /// mesh.
+    /// Returns edges_of the mesh of an object, or an empty list if the object is not a mesh.
     [[nodiscard]] const std::vector<MeshEdge>& edges(std::size_t object) const {
         return meshes_[mesh_[object]].edges;
     }

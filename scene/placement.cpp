@@ -11,8 +11,7 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are much shorter than the longest, so that they define no direction, by vectors that
-// are perpendicular to the other columns.
+// Replaces columns that are too short to define a direction by vectors perpendicular to the others.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -46,8 +45,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Normalises the columns, so that the rotation depends only on their directions. The loop below makes
-    // them perpendicular (polar decomposition) if they are not.
+    // The rotation depends only on the directions of the columns.
+    // The loop below makes them perpendicular (polar decomposition).
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

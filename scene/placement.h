@@ -16,19 +16,20 @@ struct Placement {
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
 /// A placement (translation, rotation, scale) that approximates a matrix, and its error. The error is the
-/// largest distance between a column of the given matrix and that of the placement's matrix, divided by the
-/// length of the longest given column. Except for rounding, it is 0 if the matrix contains no shear. The
-/// rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
-/// negative scale along x, and a singular matrix gives a scale of 0.
+/// largest distance of a column from its approximation, divided by the longest column's length. Without
+/// shear, it is 0 except for rounding.
+///
+/// The rotation is the orthogonal factor of the polar decomposition [higham1986].
+/// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);
 
-/// Returns the product matrix_of(outer) * matrix_of(inner) as a placement. The result is exact if the outer
-/// scale is uniform or the inner rotation is the identity. Otherwise the product may contain shear, and the
-/// result is an approximation by `decompose`.
+/// Returns the product matrix_of(outer) * matrix_of(inner) as a placement.
+/// It is exact if the outer scale is uniform or the inner rotation is the identity.
+/// Otherwise the product may contain shear, and `decompose` approximates it.
 [[nodiscard]] Decomposed compose(const Placement& outer, const Placement& inner);
 
 }  // namespace postlens

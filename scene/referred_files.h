@@ -1,5 +1,4 @@
-// The files to which a scene refers, such as textures. They must be in the scene's folder or below. The
-// SHA-256 of the scene covers them, too.
+// The files to which a scene refers, such as textures. They must be in the scene's folder or below.
 #pragma once
 
 #include <filesystem>
@@ -18,14 +17,14 @@ struct ReferredFile {
     std::filesystem::path path;
 };
 
-/// Returns the path of a file to which a scene refers by a path relative to the folder of the scene file.
-/// Returns empty if the path leads out of this folder, also by symbolic links. The file need not exist.
+/// Returns the path of a file that a scene names relative to its folder. The file need not exist.
+/// Empty if the path leads out of this folder, also by symbolic links.
 [[nodiscard]] std::optional<std::filesystem::path> inside_scene_folder(
     const std::filesystem::path& scene_path, const std::string& as_written);
 
-/// Sets `referred` and `sha256` of a scene. The SHA-256 covers the bytes of the scene file, followed by one
-/// line for each referred file. This line consists of the name as written, a space, and the SHA-256 of the
-/// referred file. Throws Error(invalid_input) if a file cannot be read.
+/// Sets `referred` and `sha256` of a scene. The SHA-256 is that of the scene file's bytes,
+/// followed by a line for each referred file: name as written, space, SHA-256 of the file.
+/// Throws Error(invalid_input) if a file cannot be read.
 void name_sources(std::string_view bytes, const std::vector<ReferredFile>& files, Scene& scene);
 
 }  // namespace postlens

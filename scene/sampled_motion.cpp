@@ -10,8 +10,7 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// To measure the error of interpolation, the gap between two keyframes is divided into this many equal parts.
-// The error is measured at the 7 times between the parts.
+// Parts into which a gap between keyframes is divided. The error is measured at the 7 times between them.
 constexpr int looks = 8;
 
 struct Sampler {
@@ -43,7 +42,7 @@ struct Sampler {
         return worst;
     }
 
-    // Appends the keyframes that are needed between a and b, and then b. The caller has already appended a.
+    // Appends the keyframes between a and b, and then b. The caller has already appended a.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

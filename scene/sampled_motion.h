@@ -16,21 +16,19 @@ struct SampledMotion {
     double error_m = 0;  ///< greatest error of a point at the times that were tested
 };
 
-/// Approximates the motion `at` by keyframes. There is a keyframe at each of the ascending `times_s` (at
-/// least one). Keyframes are added between them until the interpolated positions of `points` are within
-/// `tolerance_m` of the exact positions.
+/// Approximates the motion `at` by keyframes. There is one at each of the ascending `times_s` (at least one).
+/// Others are added until the interpolated positions of `points` are within `tolerance_m` of the exact ones.
 ///
-/// A gap between two keyframes is halved if the error is too large at one of seven times within the gap. It
-/// is also halved if the rotation within it exceeds 170 degrees, because two keyframes do not determine the
-/// direction of such a rotation. A gap between given times is divided into at most 2^12 parts, each at least
-/// 1 microsecond long. Scales of 0 become smallest_key_scale, so that transforms can be inverted.
+/// A gap between two keyframes is halved if the error is too large at one of seven times within it.
+/// It is also halved if the rotation exceeds 170 degrees, whose direction two keyframes do not determine.
+/// A gap between given times is divided into at most 2^12 parts, each at least 1 microsecond long.
+/// Scales of 0 become smallest_key_scale, so that transforms can be inverted.
 [[nodiscard]] SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,
                                            std::span<const double> times_s,
                                            std::span<const glm::dvec3> points, double tolerance_m);
 
 inline constexpr double smallest_key_scale = 1e-6;
-/// Shortest gap between keyframes, in seconds. If a motion jumps, there is also a keyframe this long before
-/// the jump.
+/// Shortest gap between keyframes, s. If a motion jumps, there is also a keyframe this long before the jump.
 inline constexpr double shortest_key_gap_s = 1e-6;
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// The scene in the form that the tracer uses. Lengths are in metres, colours are scene-linear, and all
-// defaults are filled in. read_scene makes a Scene from a file, and RayScene prepares it for ray tracing.
+// The scene in the form that the tracer uses: lengths in metres, scene-linear colours, no defaults left open.
 #pragma once
 
 #include <cmath>
@@ -32,15 +31,13 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
-    /// If true, `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
-    /// grazing incidence, they approach the `_grazing` values with Schlick's weight (1 - cos)^5
-    /// [schlick1994].
+    /// If true, `reflection`, `specular` and `transmission` are the values at normal incidence.
+    /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction. Infinity
-    /// means that there is only the exact direction. If a lobe is wider than the lens as seen from the
-    /// surface, the tracer records the mean radiance over the lobe (tracer/shading_trees/lobe_means.h).
-    /// Otherwise, it follows the exact direction.
+    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction. If infinite,
+    /// there is only the exact direction. If a lobe is wider than the lens as seen from the surface, the
+    /// tracer records the mean radiance over it. Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -87,9 +84,9 @@ struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal 
 struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
-/// A cone or a cylinder. The radius changes linearly from base to apex. The texture coordinate u runs around
-/// the axis from the object's +X towards +Y, and v runs from base to apex. (docs/scene_format.md describes
-/// axes other than +Z.)
+/// A cone or a cylinder. The radius changes linearly from base to apex.
+/// The texture coordinate u runs around the axis from the object's +X towards +Y (docs/scene_format.md).
+/// v runs from base to apex.
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -111,11 +108,11 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the motion. If there are any, they replace world_from_object: the transform at time t is
-    /// key(t) * motion_base, where `motion_base` is the object's transform before the motion.
+    /// Keyframes of the motion, which replace world_from_object if there are any.
+    /// The transform at time t is then key(t) * motion_base.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
-    /// If false, the object blocks no light. An example is an emitting ball around a point light.
+    /// If false, the object blocks no light, for example a glowing ball around a point light.
     bool casts_shadows = true;
 };
 
@@ -148,13 +145,12 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera, at most one of the next three members is set. `focal_length_mm` is also the
-    /// film distance, as for a lens focused at infinity.
+    /// At most one of the next three is set, for a perspective camera.
+    /// `focal_length_mm` is also the film distance, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
-    /// If true, the field of view is measured between the centres of the outermost rows or columns of pixels,
-    /// as in NFF.
+    /// If true, the field of view is measured between the centres of the outermost pixels, as in NFF.
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px
@@ -164,8 +160,8 @@ struct Camera {
     std::vector<TransformKey> keys;  ///< rigid motion; empty if the camera does not move
 };
 
-/// A scene in memory. A radiance of 1 is white. The intensities, emissions, background and ambient light of
-/// the file are multiplied by 2^exposure_stops (tracer/exposure.h).
+/// A scene in memory. A radiance of 1 is white.
+/// The light sources, emissions and background of the file are multiplied by 2^exposure_stops.
 struct Scene {
     std::string name;
     std::string sha256;                           ///< SHA-256 of the file and all files to which it refers
@@ -177,8 +173,7 @@ struct Scene {
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
     double exposure_stops = 0;    ///< set by `expose`
-    /// Lumens per watt by which the photometric lights of the file (in lux or candela) were divided. Empty if
-    /// it has no such lights.
+    /// Lumens per watt by which photometric lights (in lux or candela) were divided. Empty if there are none.
     std::optional<double> lumens_per_watt;
     double metres_per_unit = 1;      ///< factor by which all lengths of the file were multiplied
     double time_s = 0;               ///< default time
@@ -193,7 +188,7 @@ struct SceneReadOptions {
 /// Returns true if `read_scene` supports the extension of the file.
 [[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
 
-/// Reads a scene. The extension of the file selects the reader: .toml, .nff, .gltf, .glb, .obj or .ply.
+/// Reads a scene from a file with the extension .toml, .nff, .gltf, .glb, .obj or .ply.
 /// Throws Error(invalid_input) "FILE:LINE[:COLUMN]: ...".
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 

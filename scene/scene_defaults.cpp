@@ -40,8 +40,7 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
         centre = 0.5 * (box.min + box.max);
         radius = std::max(0.5 * glm::length(box.max - box.min), smallest_extent_m);
     }
-    // The distance of the camera is chosen so that the bounding sphere of the box fits the height of the
-    // film.
+    // The camera is so far away that the bounding sphere of the box fits the height of the film.
     const double film_height_mm = camera.film_width_mm * camera.height / camera.width;
     const double half_angle = std::atan(0.5 * film_height_mm / *camera.focal_length_mm);
     camera.position = centre + radius / std::sin(half_angle) * from;
@@ -49,7 +48,7 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
     return camera;
 }
 
-// Default direction to the camera, from the right and above. From this direction a floor is not seen edge-on,
+// Default direction to the camera, from the right and above. It shows a floor not edge-on,
 // and the visible sides of a box differ in brightness.
 const dvec3 usual_side = glm::normalize(dvec3(0.3, 0.4, 1));
 

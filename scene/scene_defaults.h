@@ -8,25 +8,23 @@
 namespace postlens {
 
 /// Adds what is missing in a scene, with a note for each addition:
-/// - If there is no camera, adds a camera with a 50 mm lens and 36 mm film. The image contains the bounding
-///   box of all finite objects. The camera looks from the direction `view_from` (not along +-y), or from the
-///   right and above if `view_from` is empty.
-/// - If there is no light and `wants_light` is true, adds a point light of `light_intensity` at the position
-///   of the first camera. For an orthographic camera, it is a directional light.
+/// - If there is no camera: a camera with a 50 mm lens and 36 mm film that shows all finite objects. It looks
+///   from the direction `view_from` (not along +-y) or, if empty, from the right and above.
+/// - If there is no light and `wants_light` is true: a point light of `light_intensity` at the first camera.
+///   For an orthographic camera, it is a directional light.
 ///
-/// Throws Error(invalid_input) with the name of the file if there are no objects, or if an object extends
-/// beyond `largest_length_m`.
+/// Throws Error(invalid_input) with the name of the file if there are no objects, or
+/// if an object extends beyond `largest_length_m`.
 void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
-/// Returns the horizontal direction from which most mesh surfaces show their outer side. For a room without a
-/// front wall, it points towards the missing wall. It is the horizontal part of the mean normal of all
-/// triangles, weighted by area. Returns empty if this part is shorter than 0.1 or shorter than the vertical
-/// part.
+/// Returns the horizontal direction from which most mesh surfaces show their outer side.
+/// For a room without a front wall, it points towards the missing wall.
+/// It is the horizontal part of the mean normal of all triangles, weighted by area.
+/// Empty if this part is shorter than 0.1 or shorter than the vertical part.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
-/// Returns true if any material reflects light from light sources, that is, if its diffuse,
-/// diffuse_transmission or specular is not black.
+/// Returns true if a material reflects light from light sources: diffuse, diffuse_transmission or specular.
 [[nodiscard]] bool answers_to_lights(const Scene& scene);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// Notes to the user about defaults, changes and skipped contents of a scene. Equal notes are merged and
-// counted.
+// Notes to the user about defaults, changes and skipped contents of a scene. Equal notes are counted.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +12,7 @@ namespace postlens {
 class SceneNotes {
   public:
     void add(const std::string& text);
-    /// Appends all notes in the order in which they first occurred, as "FILE: text" or "FILE: text (N
-    /// times)".
+    /// Appends all notes in the order of their first occurrence, as "FILE: text" or "FILE: text (N times)".
     void append_to(std::vector<std::string>& out, const std::filesystem::path& file) const;
 
   private:
@@ -26,8 +24,8 @@ class SceneNotes {
     std::vector<Note> notes_;
 };
 
-/// Returns a name that is valid in a scene. Control characters are replaced by '?', and the name is cut to
-/// 255 bytes. Returns `fallback` if `name` is empty.
+/// Returns a name that is valid in a scene: at most 255 bytes, with control characters replaced by '?'.
+/// Returns `fallback` if `name` is empty.
 [[nodiscard]] std::string printable_name(const std::string& name, const std::string& fallback);
 
 }  // namespace postlens

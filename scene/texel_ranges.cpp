@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// A rectangle of up to this many texels along each edge is read texel by texel. A larger one is read in
-/// squares of texels with precomputed ranges, at most this many along each edge.
+/// A rectangle of up to this many texels along each edge is read texel by texel.
+/// A larger one is read in precomputed squares, at most this many along each edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -61,8 +61,8 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the smallest size of squares at which the rectangle spans at most `most_across` squares along
-    // each edge. Level 0 means single texels.
+    // Finds the smallest squares of which at most `most_across` lie along each edge. Level 0 is single
+    // texels.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;
@@ -72,8 +72,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Positions are wrapped or clamped as texels and then converted to squares. Squares cannot be wrapped,
-    // because the last square of a row may contain fewer texels than the others.
+    // Positions are wrapped or clamped as texels, and only then converted to squares.
+    // The last square of a row may contain fewer texels than the others, so squares cannot be wrapped.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

@@ -18,7 +18,7 @@ struct ColourRange {
     }
 };
 
-/// The least and greatest value of each channel, precomputed for squares of 4, 8, 16, ... texels.
+/// The least and greatest value of each channel, for squares of 4, 8, 16, ... texels.
 class TexelRanges {
   public:
     TexelRanges() = default;
@@ -26,10 +26,9 @@ class TexelRanges {
     TexelRanges(std::span<const float> rgb, int width, int height);
 
     /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last]. `rgb` must be the
-    /// array that was passed to the constructor. Outside the image, texels are repeated along x or y if
-    /// `wrap_x` or `wrap_y` is set. Otherwise, the texels of the border are used. If a side of the rectangle
-    /// is longer than 9 texels, the range may include texels outside it, up to two fifths of the longer side
-    /// away.
+    /// array that was passed to the constructor. Outside the image, texels are repeated along x or y with
+    /// `wrap_x` or `wrap_y`, else those of the border are used. If a side is longer than 9 texels, texels up
+    /// to two fifths of the longer side outside may be included.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

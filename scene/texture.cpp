@@ -10,16 +10,14 @@
 namespace postlens {
 namespace {
 
-// Inlined, so that callers that are compiled for several instruction sets use instructions instead of
-// function calls for floor, round and fma.
+// Inlined, so that callers compiled for several instruction sets need no function calls for floor and fma.
 [[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
     if (std::isinf(size)) return 0;
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding may have moved the quotient across a cell border. The sign of the remainder c - offset -
-    // border * size tells on which side c lies. It is exact: c - offset is d + lost, where `lost` is the
-    // rounding error of d (Knuth's two-sum), and fma rounds only once.
+    // Rounding may have moved the quotient across a cell border, so the sign of the remainder decides.
+    // This sign is exact: c - offset is d + lost (Knuth's two-sum), and fma rounds only once.
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -45,8 +43,7 @@ glm::dvec3 texel(const ImageTexture& image, int column, int row) {
     return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// Returns the fractional part of a coordinate, or 0 for NaN. It is in [0, 1], because rounding can turn a
-// value just below 1 into 1.
+// Returns the fractional part of a coordinate, or 0 for NaN. Rounding can make it 1.
 double tile_share(double c) {
     const double share = c - std::floor(c);
     return share >= 0 ? std::min(share, 1.0) : 0.0;
@@ -122,8 +119,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the bounding box to texels, counted from the upper left. Their centres are at half-integer
-    // positions, so bilinear interpolation reads texels up to half a texel beyond the box.
+    // Converts the bounding box to texels, counted from the upper left. Bilinear interpolation reads up to
+    // half a texel beyond the box, because texel centres are at half-integers.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

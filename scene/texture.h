@@ -1,5 +1,5 @@
-// Textures: colours that depend on the position on a surface. A checker uses the position in object space or
-// (u, v), and an image uses (u, v).
+// Textures: colours that depend on the position on a surface.
+// A checker uses the position in object space or (u, v), and an image uses (u, v).
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,18 @@
 namespace postlens {
 
 /// A checker pattern. The cell of coordinate c is floor((c - offset) / size), computed without rounding
-/// error. A border therefore belongs to the higher cell. The colour is `even` if the sum of the cell indices
-/// is even.
+/// error. The colour is `even` if the sum of the cell indices is even.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
-    /// length of a cell, in object-space metres or in (u, v); infinite if there are no borders along this
-    /// axis
+    /// length of a cell, in object-space metres or in (u, v); infinite if the axis has no borders
     glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
 };
 
-/// An image over the unit square of (u, v), where u points right and v points up. The image repeats along u
-/// unless `clamp_u` is set. It repeats along v if `wrap_v` is set or `repeat.y` is not 1. Otherwise v is
-/// clamped to the first and last row, so that the two poles of a sphere do not mix.
+/// An image over the unit square of (u, v), where u points right and v points up.
+/// The image repeats along u unless `clamp_u` is set, and along v if `wrap_v` is set or `repeat.y` is not 1.
+/// Otherwise v is clamped to the first and last row, so that the poles of a sphere do not mix.
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
@@ -36,16 +34,15 @@ struct ImageTexture {
     bool wrap_v = false;
 };
 
-/// Returns floor((c - offset) / size) without rounding error. c and offset must be finite, and size must be
-/// above 0. Returns 0 for an infinite size.
+/// Returns floor((c - offset) / size) without rounding error, or 0 for an infinite size.
+/// c and offset must be finite, and size above 0.
 [[nodiscard]] double checker_cell(double c, double offset, double size);
 
 class Texture {
   public:
     explicit Texture(Checker checker);
     explicit Texture(ImageTexture image);
-    /// Returns the colour at a point of a surface. `object` is the position in object space, in metres, and
-    /// `uv` are the texture coordinates.
+    /// Returns the colour at a surface point: `object` in object space, m, and texture coordinates `uv`.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
     /// Returns true if `colour` depends on uv, and false if it depends on the position in object space.
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
@@ -59,10 +56,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of colours in the bounding box of two texture positions, from all cells or texels
-    /// that overlap the box. If the positions are half an image or more apart, they are assumed to lie on
-    /// both sides of a seam, where the box is meaningless. Only the colours at both positions are then
-    /// included.
+    /// Returns the range of colours of all cells or texels that overlap the bounding box of two texture
+    /// positions. Positions half an image or more apart are assumed to lie on both sides of a seam of the
+    /// texture. Only the colours at both positions are then included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

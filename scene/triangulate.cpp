@@ -17,7 +17,7 @@ double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // Positions are relative to the first corner, so that a polygon far from the origin loses no precision.
+    // Relative to the first corner, a polygon far from the origin loses no precision.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
@@ -25,8 +25,7 @@ dvec3 newell_normal(std::span<const dvec3> polygon) {
     return normal;
 }
 
-// Projects the polygon along the coordinate axis that is closest to its normal. The corners of the result run
-// counterclockwise.
+// Projects the polygon along the coordinate axis closest to its normal. The result runs counterclockwise.
 std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -42,8 +41,7 @@ std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal
     return out;
 }
 
-// Total turning angle of an outline. It is 2 pi for a simple polygon, 0 for a figure eight, and 4 pi for a
-// five-pointed star.
+// Total turning angle of an outline: 2 pi if simple, 0 for a figure eight, 4 pi for a five-pointed star.
 struct Turning {
     double total = 0;
     bool only_left = true;

@@ -8,8 +8,7 @@
 
 namespace postlens {
 
-/// Greatest number of corners that readers accept in a polygon. It is limited because the time for ear
-/// clipping grows with the square of this number.
+/// Greatest number of corners of a polygon. The time for ear clipping grows with its square.
 inline constexpr std::size_t largest_polygon = 4096;
 
 enum class PolygonFault { none, no_area, crosses_itself };
@@ -19,10 +18,10 @@ struct Triangulation {
     PolygonFault fault = PolygonFault::none;
 };
 
-/// Divides a simple polygon of at least 3 corners into triangles. The polygon may be concave and need not be
-/// exactly flat: it is projected along its Newell normal. A convex polygon becomes a fan about its first
-/// corner. A concave one is divided by ear clipping [meisters1975]. Collinear and repeated corners are
-/// allowed. Triangles without area are omitted. If `fault` is set, `triangles` is empty.
+/// Divides a simple polygon of at least 3 corners into triangles. It may be concave and need not be flat. A
+/// convex polygon becomes a fan about its first corner, a concave one is divided by ear clipping
+/// [meisters1975]. Corners may be collinear or repeated. Triangles without area are omitted. If `fault` is
+/// set, `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);
 
 }  // namespace postlens

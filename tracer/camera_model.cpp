@@ -23,8 +23,8 @@ double positive(double value, const char* option, const char* unit) {
     return value;
 }
 
-// Returns the film distance, mm, at which `pixels` pixels subtend the angle `degrees`. Depending on the
-// camera, the angle is measured between the centres or between the outer edges of the outermost pixels.
+// Returns the film distance, mm, at which `pixels` pixels subtend the angle `degrees`.
+// The angle is measured between the outer edges of the outermost pixels, or optionally between their centres.
 double film_distance(const Camera& c, double degrees, double pitch_mm, int pixels) {
     const double film_mm = pitch_mm * (c.fov_between_pixel_centres ? pixels - 1 : pixels);
     return film_mm / 2 / half_tangent(degrees);
@@ -105,7 +105,7 @@ CameraRay CameraModel::ray(double x, double y) const {
         const double metres_per_px = pixel_pitch_mm * 1e-3;
         return {position + (px * metres_per_px) * right + (py * metres_per_px) * down, forward, 1.0};
     }
-    // The direction is multiplied by the reciprocal of its length, because one division is faster than three.
+    // One division is faster than three, so the direction is multiplied by its reciprocal length.
     const double tx = px * tangent_per_px, ty = py * tangent_per_px;
     const double cosine = 1 / std::sqrt(1 + tx * tx + ty * ty);
     return {position, (forward + tx * right + ty * down) * cosine, cosine};

@@ -15,8 +15,8 @@ struct CameraOverrides {
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. Its direction in the camera frame is (tan_x, -tan_y, -1), normalised. tan_x and tan_y
-/// are the tangents of the ray's angles along the raster's axes (x right, y down).
+/// A ray of the camera. In the camera frame its direction is (tan_x, -tan_y, -1), normalised.
+/// tan_x and tan_y are the tangents of its angles to the optical axis (x right, y down).
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis
@@ -24,16 +24,16 @@ struct CameraRay {
 
 class CameraModel {
   public:
-    /// Throws Error(wrong_arguments) if an override is out of range. Throws Error(invalid_input) if the
-    /// position, look_at and up of the camera do not define an orientation.
+    /// Throws Error(wrong_arguments) if an override is out of range.
+    /// Throws Error(invalid_input) if position, look_at and up of the camera define no orientation.
     CameraModel(const Camera& camera, double time_s, const CameraOverrides& overrides = {});
 
-    /// Returns the ray through a raster position, px. The position may lie outside the raster.
+    /// Returns the ray through a raster position, px, which may lie outside the image.
     [[nodiscard]] CameraRay ray(double x, double y) const;
-    /// Returns the raster position of a world point, px. Empty if the point is not in front of the pinhole.
+    /// Projects a world point to a raster position, px. Empty if the point is not in front of the pinhole.
     [[nodiscard]] std::optional<glm::dvec2> place(const glm::dvec3& point) const;
-    /// Returns the raster position, px, of a point at infinity in a world direction. Empty if the direction
-    /// does not point forwards. Only for perspective cameras.
+    /// Projects a point at infinity, given by its world direction, to a raster position, px.
+    /// Empty if the direction does not point forwards. Only for perspective cameras.
     [[nodiscard]] std::optional<glm::dvec2> place_at_infinity(const glm::dvec3& direction) const;
 
     int width = 0, height = 0;
@@ -44,8 +44,8 @@ class CameraModel {
     glm::dmat4 world_from_camera{1};
     glm::dmat4 rest_from_camera{1};  ///< world_from_camera without the camera's motion
 
-    /// Pose of the camera in the world. `right`, `down` and `forward` are unit vectors along the raster axes
-    /// and the optical axis. `position` is the pinhole, m.
+    /// Pose of the camera in the world. `position` is the pinhole, m.
+    /// `right` and `down` are unit vectors along the raster axes, `forward` along the optical axis.
     glm::dvec3 right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1}, position{0};
 };
 

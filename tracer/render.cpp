@@ -30,9 +30,8 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Renders the image in tiles, and each tile in rounds of a few samples per pixel. The rays of a tile in one
-// round are traced together, and their radiance is added in a fixed order. The result is therefore
-// bit-identical for any number of threads, and also if the render is interrupted and resumed.
+// Renders the image in tiles, and each tile in rounds of a few samples per pixel.
+// The radiance is always added in the same order, so threads and interruptions do not change the result.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -58,8 +57,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The two halves of the samples differ only in their seeds. The seeds are hashed, so renders with
-            // neighbouring values of --seed share no half.
+            // The halves differ only in their seeds. These are hashed, so renders with neighbouring --seed
+            // share no half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -69,16 +68,15 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks into which the samples of a pixel are divided, and the number of groups
-    /// in each block. A group is up to 16 samples of a pixel whose rays are traced together.
+    /// Returns the number of blocks of samples of a pixel, and the number of groups in each block.
+    /// A group is up to 16 samples of one pixel, traced together.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The sample blocks [begin, end) that this run renders. These are all blocks, unless the run renders
-    /// only a part of the samples (--share).
+    /// The blocks of samples [begin, end) that this run renders. With --share, these are not all blocks.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -104,15 +102,13 @@ class Renderer {
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Returns the number of finished samples per pixel of a tile. All pixels of the tile have the same
-    // number, so only the first is read.
+    // Returns the number of finished samples per pixel of a tile. All its pixels have the same number.
     [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
     }
 
-    // Returns the number of finished rounds of a tile. `tile` is an index into tiles_. All pixels of the tile
-    // have the same number of samples, so only the first pixel is read.
+    // Returns the number of finished rounds of a tile. `tile` is an index into tiles_.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -122,7 +118,7 @@ class Renderer {
         return done;
     }
 
-    // Traces round `round` of the samples for those tiles in [begin, end) that have not finished it.
+    // Traces round `round` of the tiles in [begin, end). Tiles that have finished this round are skipped.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {
@@ -145,7 +141,7 @@ class Renderer {
         return index(x, y);
     }
 
-    // Returns the upper left pixel of a tile. `tile` is the index of the tile in the whole image.
+    // Returns the upper left pixel of a tile, which is given by its index in the whole image.
     [[nodiscard]] std::pair<int, int> corner(std::size_t tile) const {
         return {static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px,
                 static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px};
@@ -173,8 +169,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of a block begins at 0 and is added to the total when the block ends. A run that
-            // renders only this block (--share) sums it in the same order, so both results are bit-identical.
+            // Each block is summed from 0 and then added to the total.
+            // A run with --share sums its blocks in the same order, so its result is bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -230,9 +226,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s. A
-            // shorter slice would waste time on starting the loop. A longer slice would delay stopping and
-            // saving.
+            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s.
+            // Shorter slices waste time on starting loops. Longer ones delay stopping and saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

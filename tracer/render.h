@@ -1,5 +1,4 @@
-// `render` makes an image with rays that are distributed over the lens and over time. This image is the
-// reference for images made by post-processing.
+// `render` makes the reference image, with rays distributed over the lens and over time.
 #pragma once
 
 #include <array>
@@ -35,8 +34,8 @@ struct RenderSettings {
         focus_at;  ///< raster position, px, of the point in focus; replaces focus_m
     Framing framing = Framing::keep;
     std::shared_ptr<const Aperture> aperture;  ///< null: a disc
-    /// A lens prescription, which replaces the thin lens. `focal_length_mm` must then be absent. If
-    /// `f_number` is absent too, the lens is wide open.
+    /// A lens prescription (surfaces and glasses of a real lens), which replaces the thin lens.
+    /// `focal_length_mm` must then be absent. Without `f_number`, the lens is wide open.
     std::shared_ptr<const Prescription> prescription;
 
     std::optional<TimeSpan> shutter;  ///< if absent, the exposure is an instant
@@ -49,17 +48,15 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// The part of the image to render. Tiles of 8 px outside this part stay black. The other tiles are
-    /// bit-identical to those of the complete image. Files contain only this part (see write_image). A
-    /// resumed run may use another crop.
+    /// The part of the image to render. Tiles of 8 px that lie outside it stay black.
+    /// The pixels are bit-identical to those of the complete image. A resumed run may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
-    /// Text that marks each written file as a part of a render (pictures/picture_part.h). If empty, the files
-    /// are ordinary images.
+    /// Text that marks each written file as a part of a render (pictures/picture_part.h).
+    /// If empty, the files are ordinary images.
     std::string part_mark;
-    /// If set to {i, n}, the samples of every pixel are divided into n parts, and only part i, counted from
-    /// 0, is rendered (render_state.h). Both halves of the samples are then written to one file. Used with
-    /// `part_mark`.
+    /// If {i, n}: divides the samples of every pixel into n parts and renders part i, counted from 0.
+    /// Both halves of the samples are then written to one file. Used with `part_mark`.
     std::optional<std::array<int, 2>> sample_share;
 };
 
@@ -74,22 +71,24 @@ struct RenderResult {
     double motion_error_px = 0;  ///< greatest error, px, of the linear steps by which Embree moves meshes
 };
 
-/// Returns the number of blocks into which the samples of a pixel are divided. If a render is divided into
-/// `shares` parts, each part consists of some of these blocks (distributed/render_state.h). Throws
-/// Error(wrong_arguments) if there are more parts than blocks.
+/// Returns the number of blocks into which the samples of a pixel are divided.
+/// Each of the `shares` parts of a render consists of some of these blocks.
+/// Throws Error(wrong_arguments) if there are more parts than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
 /// Returns the paths of the two images that RenderSettings::halves adds, NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
-/// Returns the path of an unfinished image, NAME.partial.exr. Any viewer can display this file. Its
-/// additional channels contain the sums from which the render resumes.
+/// Returns the path of an unfinished image, NAME.partial.exr.
+/// Any viewer can display it. Additional channels contain the sums from which the render resumes.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to the file `path`. With `halves`, also writes the images of both halves of the samples
-/// (half_paths). The files are bit-identical for any number of threads, and if the render was interrupted and
-/// resumed. Throws Error(wrong_arguments) if a setting is out of range, Error(interrupted) after writing
-/// partial_path, Error(invalid_input) if the file to resume from is damaged or has other settings,
-/// Error(out_of_memory) and Error(cannot_write).
+/// Renders to the file `path`, and with `halves` also to half_paths(path).
+/// The files are bit-identical for any number of threads, and after any interruption and resumption.
+/// Throws:
+/// - Error(wrong_arguments) if a setting is out of range.
+/// - Error(interrupted), after writing partial_path.
+/// - Error(invalid_input) if the file to resume from is damaged or has other settings.
+/// - Error(out_of_memory) or Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 

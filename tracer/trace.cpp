@@ -24,8 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// A lens may see past depth edges outside the recorded window. Edges are searched for up to this distance,
-// px, from the window. Edges farther out would affect only the border of the window.
+// Distance outside the recorded window, px, up to which depth edges are searched.
+// A lens may see past these edges. Edges farther out would affect only the window's border.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -74,8 +74,7 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One recorded instant of a trace: the scene and the camera at this instant, and which hidden surfaces are
-// recorded.
+// One recorded instant: the scene, the camera, and which hidden surfaces are recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -88,7 +87,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // Makes the trace also record the hidden surfaces in the window `w` that a lens sees past edges.
+    // Also records the hidden surfaces that a lens sees past edges in the window `w`.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -136,8 +135,7 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Divides the radiance of the records by the exposure of the scene, because sample files contain radiance
-// without exposure.
+// Divides the radiance of records by the scene's exposure, because sample files store it without exposure.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -155,8 +153,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Returns the radius, m, of the widest lens for which the sample file is made. The f-number of this lens is
-// `for_f_number`. If this setting is absent, it is the f-number of the camera, or 1.4 if the camera has none.
+// Returns the radius, m, of the widest lens for which the sample file is made.
+// Its f-number is `for_f_number`, else that of the camera, else 1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -165,8 +163,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` predicts the
-// positions of surfaces at the instants that are reprojected from this one. It may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant.
+// `motion` predicts the positions of surfaces at other instants. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -183,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// The records at `at_s` are reprojected to instants between the previous and the next recorded instant.
-// Returns a selection of these instants.
+// Returns instants between the recorded instants before and after `at_s`.
+// The records of `at_s` are reprojected to such instants.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
@@ -195,12 +193,12 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
     return looked_at_instants(motion, before_s, after_s, std::vector<double>{at_s});
 }
 
-// Returns a lower bound of the memory that a trace needs. Only buffers that grow with the raster are counted.
+// Returns a lower bound of the memory for a trace. It counts only buffers that grow with the raster.
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores one inverse depth (a float) per pixel. It also stores a pyramid with the minima and
-    // maxima of these inverse depths (two floats per square, 4/3 squares per pixel).
+    // LensReach stores one inverse depth (a float) per pixel, and a pyramid of its minima and maxima.
+    // The pyramid has two floats per square and 4/3 squares per pixel.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -309,8 +307,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The camera that the header describes. The scene below is translated so that this camera is at the
-    // origin, as in `render`.
+    // The header describes this camera. The scene below is translated so that it is the origin.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -347,7 +344,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // The overscan must suffice for the motion from each key (recorded instant) to the keys before and after.
+    // The overscan must suffice for the motion from each key (recorded instant) to its two neighbours.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s,
@@ -356,16 +353,16 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods blur motion from the records of the frame's own instant alone. The overscan of this
-    // instant must therefore suffice for the whole shutter interval.
+    // Some methods blur motion from the records of the frame's own instant alone.
+    // The overscan of this instant must suffice for the whole shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree grid, so it needs enough levels for the narrow objects at
-    // every instant.
+    // All recorded instants share one quadtree, which needs enough levels for narrow objects at every
+    // instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

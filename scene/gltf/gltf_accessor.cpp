@@ -12,9 +12,9 @@
 namespace postlens {
 namespace {
 
-// Largest total number of values in all accessors of a document. As floats, they need 1 GiB.
+// Largest total number of values in all accessors of a document: 1 GiB as floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-// Largest number of elements of an accessor without a buffer. All its elements are zero.
+// Largest number of elements of an accessor without a buffer, which are all zero.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {
@@ -49,8 +49,7 @@ T raw(const char* at) {
     return value;
 }
 
-// Converts a normalised integer c to c / max. If the integer is signed, the result is at least -1 [gltf2,
-// section 3.11].
+// Converts a normalised integer c to c / max, but at least -1 [gltf2, section 3.11].
 template <typename T>
 float scaled(const char* at, bool normalised) {
     const auto value = static_cast<float>(raw<T>(at));
@@ -107,8 +106,7 @@ unsigned component_type(const JsonPlace& place) {
     return type;
 }
 
-// Returns the bytes of `count` elements in a buffer view. Each element has `size` bytes. Successive elements
-// begin `stride` bytes apart.
+// Returns the bytes of `count` elements of `size` bytes in a buffer view, `stride` bytes apart.
 std::string_view elements(const GltfDocument& d, const JsonPlace& place, std::size_t view, std::size_t count,
                           std::size_t size, std::size_t stride) {
     const std::size_t offset = place.whole("byteOffset", 0, largest_gltf_bytes).value_or(0);

@@ -12,25 +12,24 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// the values of all elements in order, all finite; normalised integers are scaled to [0, 1] or, if
-    /// signed, to [-1, 1]
+    /// the values of all elements in order, all finite; normalised integers are scaled to [0, 1] or [-1, 1]
     std::vector<float> values;
 };
 
-/// Reads accessors (typed arrays of a glTF document) and limits their total size. Without this limit, many
-/// accessors that refer to one small buffer could fill the memory.
+/// Reads accessors (typed arrays of a glTF document) and limits their total size.
+/// Otherwise many accessors of one small buffer could fill the memory.
 class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// Returns the elements of an accessor, including sparse ones. `index` must be in range. `place`, the
-    /// JSON object that refers to the accessor, is used in error messages. Throws Error(invalid_input) if the
-    /// number of components is not one of `components`, if elements lie outside the buffer view, or if a
-    /// number is not finite.
+    /// Returns the elements of an accessor, including sparse ones. `index` must be in range.
+    /// `place` is the JSON object that refers to the accessor, for error messages.
+    /// Throws Error(invalid_input) if the number of components is not one of `components`,
+    /// if elements lie outside the buffer view, or if a number is not finite.
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
-    /// Returns the values of a SCALAR accessor of unsigned integers. Throws Error(invalid_input) if a value
-    /// is `limit` or more.
+    /// Returns the values of a SCALAR accessor of unsigned integers.
+    /// Throws Error(invalid_input) if a value is `limit` or more.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t index, std::size_t limit,
                                                      const JsonPlace& place);
 

@@ -124,8 +124,8 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // Returns one part of keyframe k. A keyframe of a cubic spline has three parts: incoming tangent (0),
-    // value (1) and outgoing tangent (2). A keyframe of any other curve has only the value.
+    // Returns a part of keyframe k: incoming tangent (0), value (1) or outgoing tangent (2).
+    // Only cubic splines have tangents.
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};
         const std::size_t from = (cubic ? 3 * k + part : k) * components;

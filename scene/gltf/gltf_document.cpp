@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view glb_magic = "glTF";
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 
-// Reads a little-endian word. All supported machines are little-endian, so no conversion is needed.
+// All supported machines are little-endian, so no conversion is needed.
 std::uint32_t word(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -100,8 +100,7 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // An unknown material extension causes a note instead of an error, even if the document requires it.
-    // Without the extension the appearance is different, but the geometry is correct.
+    // An unknown material extension causes only a note, because the geometry is correct without it.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {

@@ -1,5 +1,5 @@
-// A glTF 2.0 document [gltf2] with its binary data. It is read from a .glb, or from a .gltf and the files or
-// data URIs to which it refers.
+// A glTF 2.0 document [gltf2] with its binary data, from a .glb, or from a .gltf and the files or data URIs
+// to which it refers.
 #pragma once
 
 #include <deque>
@@ -37,20 +37,21 @@ struct GltfDocument {
     /// Returns element `index` of an array of the document. The element must exist.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// Returns the bytes of a data URI or of a file. A file must be in the scene's folder or below, and is
-    /// added to `files`. `place`, the JSON object that contains the URI, is used in error messages. Throws
-    /// Error(invalid_input) for other kinds of URI, for a path that leads out of the folder, and for a file
-    /// that cannot be read.
+    /// Returns the bytes of a data URI or of a file, which is added to `files`.
+    /// `place` is the JSON object that contains the URI, for error messages.
+    /// Throws Error(invalid_input) for other kinds of URI, for a file that cannot be read, and
+    /// for a path out of the scene's folder.
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 
 /// Largest accepted size, in bytes, of a file, and of all buffers of a document together.
 inline constexpr std::uintmax_t largest_gltf_bytes = std::uintmax_t{1} << 31;
 
-/// Reads `path` into `out`, which must be empty. The first bytes of the file determine whether it is read as
-/// .glb or as JSON. Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, for a buffer that is
-/// missing or shorter than stated, for a version other than 2, and for a required extension that is not
-/// supported.
+/// Reads `path` into `out`, which must be empty. The first bytes of the file tell .glb from JSON.
+/// Throws Error(invalid_input) "FILE: PLACE ..." for:
+/// - an invalid file, or a version other than 2
+/// - a buffer that is missing or shorter than stated
+/// - a required extension that is not supported
 void read_gltf_document(const std::filesystem::path& path, GltfDocument& out);
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ using glm::dvec3;
 
 constexpr std::size_t clamp_to_edge = 33071, mirrored_repeat = 33648, nearest_filter = 9728;
 
-// Extensions that are read. Any other extension causes a note to the user.
+// Extensions that are read. Others cause a note to the user.
 constexpr std::array<std::string_view, 7> known_extensions{
     "KHR_materials_transmission", "KHR_materials_volume",
     "KHR_materials_ior",          "KHR_materials_emissive_strength",
@@ -88,15 +88,14 @@ class MaterialReader {
         return out;
     }
 
-    // Reads the emissive texture. If `has_uv`, the texture of the base colour has determined `uv`, the only
-    // texture coordinates of the material. An emissive texture with other coordinates is then replaced by its
-    // mean colour.
+    // Reads the emissive texture. If `has_uv`, `uv` already holds the texture coordinates of the base colour.
+    // An emissive texture with other coordinates is then replaced by its mean colour.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // If the emissive texture cannot be read, the surface emits nothing, because most of such a
-            // texture is usually black.
+            // An emissive texture is usually black for the most part, so the surface emits nothing without
+            // it.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {
@@ -122,8 +121,7 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // In KHR_materials_ior, an index of refraction of 0 stands for a mirror at all angles. This is
-            // not supported.
+            // An index of refraction of 0 stands for a mirror at all angles, which is not supported.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;
@@ -166,8 +164,8 @@ class MaterialReader {
         if (m.has("occlusionTexture")) notes_.add("an occlusionTexture is left out");
     }
 
-    // Returns the decoded image of a texture. If the texture has no image of a supported kind, adds a note
-    // and returns null.
+    // Returns the decoded image of a texture.
+    // Adds a note and returns null if the texture has no image of a supported kind.
     const RawImage* image_of(const JsonPlace& info) {
         const std::size_t texture = info.required(info.index("index", d_.count("textures")), "index");
         const JsonPlace t = d_.item("textures", texture);

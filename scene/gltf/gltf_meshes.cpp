@@ -12,8 +12,8 @@ using glm::dvec3;
 
 enum Mode : std::size_t { triangles = 4, strip = 5, fan = 6 };
 
-// Returns the triangles of a list, a strip or a fan. In a strip, every second triangle is reversed, so that
-// all triangles have the same winding.
+// Returns the triangles of a list, a strip or a fan.
+// Every second triangle of a strip is reversed, so that all have the same winding.
 std::vector<glm::uvec3> assemble(std::size_t mode, const std::vector<std::uint32_t>& corners) {
     std::vector<glm::uvec3> out;
     if (mode == triangles) {
@@ -98,7 +98,7 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Strips use triangles without area to join their parts. These triangles cause no note.
+        // Strips join their parts by triangles without area, so these cause no note.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }
@@ -122,8 +122,8 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform applies a scale, then a rotation (counter-clockwise on the image, because
-            // v points down), then an offset. In the mesh, v points up: it is 1 - v.
+            // KHR_texture_transform scales, then rotates, then offsets. The rotation is counter-clockwise on
+            // the image, because v points down. In the mesh, v points up: it is 1 - v.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

@@ -11,8 +11,7 @@
 
 namespace postlens {
 
-/// The texture coordinates that a material uses: the number of their set, and the transform given by
-/// KHR_texture_transform. In this transform, v points down.
+/// The texture coordinates that a material uses: a set of the mesh and KHR_texture_transform (v points down).
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -26,9 +25,9 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Returns the primitives of mesh `index` that have triangles. Positions are in metres. Points, lines,
-/// triangles without area and morph targets are ignored, with a note to the user. `uvs` states, for each
-/// material of the document, which texture coordinates its textures use. Throws Error(invalid_input).
+/// Returns the primitives of mesh `index` that have triangles. Positions are in metres.
+/// Points, lines, triangles without area and morph targets are ignored, with a note to the user.
+/// `uvs` holds the texture coordinates of each material. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A node of the displayed scene. `frame` is the animated node with which it moves: the node itself or its
-/// nearest animated ancestor.
+/// A node of the displayed scene.
+/// `frame` is the animated node with which it moves: itself or its nearest animated ancestor.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations
@@ -22,22 +22,20 @@ struct GltfNode {
 
 class GltfNodes {
   public:
-    /// Reads the nodes of the default scene, or of the first scene if there is no default. Parents precede
-    /// their children. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) if there
-    /// is no scene, if the nodes do not form trees, or if a chain of ancestors contains more than 256
-    /// animated nodes.
+    /// Reads the nodes of the default scene, or of the first scene if there is no default.
+    /// Parents precede their children. Translations are multiplied by `metres_per_unit`.
+    /// Throws Error(invalid_input) if there is no scene, if the nodes do not form trees, or
+    /// if a node has more than 256 animated ancestors.
     GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNodeCurves> curves,
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
     /// Returns the placement of the animated node `frame` in the world at a time.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// Returns the times of the keyframes of the animated node `frame` and of its animated ancestors,
-    /// ascending.
+    /// Returns the times of the keyframes of `frame` and of its animated ancestors, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// Returns the largest relative error of the placement of the animated node `frame`, over all its
-    /// keyframes. The error is caused by shear, which a placement (translation, rotation, scale) cannot
-    /// represent.
+    /// Returns the largest relative error of the placement of `frame`, over all its keyframes.
+    /// It is caused by shear, which a placement (translation, rotation, scale) cannot represent.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:

@@ -41,8 +41,7 @@ class GltfReader {
         add_views(nodes);
         notes_.append_to(scene_.notes, d_.path);
         name_sources(d_.bytes.front(), d_.files, scene_);
-        // If the file has lights, they alone light the scene. Only a file without lights gets the default
-        // ambient light.
+        // A file with lights gets no default ambient light.
         if (!scene_.lights.empty()) scene_.ambient_light = dvec3(0);
         complete_scene(scene_, d_.path, answers_to_lights(scene_), 1, open_side(scene_));
         return std::move(scene_);
@@ -59,8 +58,7 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // The default material is white and diffuse. glTF's default is a rough white metal, which authors
-            // rarely intend.
+            // White and diffuse. glTF's default is a rough white metal, which authors rarely intend.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;
@@ -204,7 +202,7 @@ class GltfReader {
         scene_.lights.push_back(std::move(light));
     }
 
-    // Names of cameras must be unique, because --camera selects a camera by its name.
+    // --camera selects a camera by its name, so names must be unique.
     [[nodiscard]] std::string unused_name(const std::string& name) const {
         std::string out = name;
         for (int n = 2; std::any_of(scene_.cameras.begin(), scene_.cameras.end(),

@@ -5,10 +5,10 @@
 
 namespace postlens {
 
-/// Reads a .gltf or .glb with its meshes, nodes, cameras, lights and materials. Animations of nodes become
-/// keyframes. Every node with a mesh becomes an object with its own id, and nodes with the same mesh share
-/// its triangles. docs/mesh_scenes.md describes the conversion and lists what is ignored (with a note to the
-/// user). Throws Error(invalid_input) "FILE: PLACE ...".
+/// Reads a .gltf or .glb with its meshes, nodes, cameras, lights, materials and animations of nodes.
+/// Every node with a mesh becomes an object with its own id. Nodes with the same mesh share its triangles.
+/// docs/mesh_scenes.md lists what is ignored (with a note to the user).
+/// Throws Error(invalid_input) "FILE: PLACE ...".
 [[nodiscard]] Scene read_gltf_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

@@ -12,8 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Height of the raster in px, because glTF only states the camera's aspect ratio. The width is the height
-// times this ratio.
+// Height of the raster, px. glTF states only the camera's aspect ratio, width / height.
 constexpr int height_px = 540;
 constexpr double least_aspect = 0.01, most_aspect = 100;
 
@@ -43,8 +42,7 @@ std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace&
         camera.width = width_px(p.number("aspectRatio", 1e-6, 1e6).value_or(16.0 / 9));
     } else if (type == "orthographic") {
         const JsonPlace o = c.required(c.object("orthographic"), "orthographic");
-        // Some published files contain negative magnifications. The sign has no meaning, so the absolute
-        // value is used.
+        // Some published files contain negative magnifications. The sign has no meaning.
         const double x = std::abs(o.required(o.number("xmag", -largest_length_m, largest_length_m), "xmag"));
         const double y = std::abs(o.required(o.number("ymag", -largest_length_m, largest_length_m), "ymag"));
         if (!(x * unit >= smallest_extent_m && y * unit >= smallest_extent_m)) {
@@ -82,8 +80,8 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
         l.fail_here("is of an unknown type (got {}; expected directional, point or spot)", excerpt(type));
     }
     light.kind = type == "point" ? Light::Kind::point : Light::Kind::spot;
-    // The light decreases with the square of the distance in the unit of the file. The image is therefore the
-    // same for any unit.
+    // The light decreases with the square of the distance in the file's unit, so the unit does not change the
+    // image.
     light.attenuation = dvec3(0, 0, 1 / (unit * unit));
     if (l.has("range")) notes.add("the range of a light is left out: it shines on beyond it");
     if (light.kind == Light::Kind::spot) {

@@ -13,9 +13,9 @@ namespace postlens {
 [[nodiscard]] std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace& node,
                                                 double metres_per_unit);
 
-/// Returns the light of a node (KHR_lights_punctual), or empty if the node has none. The intensity in the
-/// file, in lux or candela, is divided by (pi lumens_per_watt). It thus becomes the radiance of a white
-/// diffuse surface that is lit by this light. Throws Error(invalid_input).
+/// Returns the light of a node (KHR_lights_punctual), or empty if the node has none.
+/// The intensity, in lux or candela, is divided by (pi lumens_per_watt).
+/// It is then the radiance of a white diffuse surface in this light. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

@@ -14,8 +14,7 @@
 namespace postlens {
 namespace {
 
-// Returns the file format, recognised by the first bytes. The format that a scene states may be wrong, and
-// some readers accept any bytes.
+// Returns the file format by its first bytes. The format that a scene states may be wrong.
 const char* format_of(std::string_view bytes) {
     using namespace std::string_view_literals;
     struct Magic {

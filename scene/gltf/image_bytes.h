@@ -9,20 +9,21 @@
 
 namespace postlens {
 
-/// The values stored in an image file, four per pixel (red, green, blue, alpha), top row first. Integers are
-/// scaled to 0..1. sRGB values are not linearised. If the file has no alpha, alpha is 1. Grey is copied to
-/// all three colours.
+/// The values stored in an image file, four per pixel (red, green, blue, alpha), top row first.
+/// Integers are scaled to 0..1. sRGB values are not linearised.
+/// Without alpha, alpha is 1. Grey is copied to all three colours.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;
     bool has_alpha = false;
 };
 
-/// Largest image that is decoded, in pixels. As a RawImage, it needs 1 GiB.
+/// Largest image that is decoded, in pixels: 1 GiB as a RawImage.
 inline constexpr double most_image_pixels = 1 << 26;
 
-/// Decodes a PNG, JPEG or OpenEXR file. Error messages call the file `name`. Throws Error(invalid_input) if
-/// the file cannot be decoded, has more than most_image_pixels, or contains a value that is not finite.
+/// Decodes a PNG, JPEG or OpenEXR file. Error messages call it `name`.
+/// Throws Error(invalid_input) if the file cannot be decoded, has more than most_image_pixels, or
+/// contains a value that is not finite.
 [[nodiscard]] RawImage decode_image(std::string_view bytes, const std::string& name);
 
 /// Converts stored sRGB values to a texture with scene-linear colours.

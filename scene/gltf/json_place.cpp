@@ -19,7 +19,7 @@ std::string shown(const json& value) {
     return std::string("an ") + (value.is_array() ? "array" : value.is_object() ? "object" : "empty value");
 }
 
-// Returns the message of the parser without its error number, in at most 200 characters of printable ASCII.
+// Returns the message of the parser without its error number, at most 200 printable ASCII characters.
 std::string one_line(const json::exception& error) {
     std::string text = error.what();
     const auto end = text.find("] ");
@@ -31,9 +31,8 @@ std::string one_line(const json::exception& error) {
     return text.substr(0, 200);
 }
 
-// Checks the nesting depth and the number of values before parsing, by counting brackets, commas and colons
-// outside strings. A callback of the parser would be slow, because after each element of an array, the parser
-// scans the whole array again.
+// Checks nesting depth and number of values by counting brackets, commas and colons outside strings.
+// The parser's own callback is slow: after each element of an array, it scans the whole array again.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
     std::size_t values = 0;
@@ -64,8 +63,8 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // The parser throws other exceptions besides parse_error, such as out_of_range for a number beyond
-        // the range of double.
+        // The parser also throws other exceptions, such as out_of_range for a number beyond the range of
+        // double.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

@@ -1,5 +1,4 @@
-// Reads JSON from untrusted files. Every access is checked. Error messages contain the position in the
-// document.
+// Reads JSON from untrusted files. Error messages contain the position in the document.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +13,15 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested more than 128
-/// levels deep, or has more than 4 million values. These limits bound the memory: a value needs about 100
-/// bytes.
+/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested more than
+/// 128 levels deep, or has more than 4 million values. A value needs about 100 bytes of memory.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// A JSON value and its position in the document, such as "materials[2].emissiveFactor". Keeps references to
-/// the document and to the name of the file. The functions below return the value of a key, or an empty value
-/// if the key is missing. They throw Error(invalid_input) "FILE: PLACE problem (got X; expected Y)" if the
-/// value has the wrong type or is out of range.
+/// A JSON value and its position in the document, such as "materials[2].emissiveFactor".
+/// Keeps references to the document and to the name of the file.
+///
+/// The functions return the value of a key, or an empty value if the key is missing.
+/// They throw Error(invalid_input) "FILE: PLACE problem (got X; expected Y)" for a wrong type or range.
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)

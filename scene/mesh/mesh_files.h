@@ -14,9 +14,9 @@
 
 namespace postlens {
 
-/// Gives assimp the contents of files from memory, as UTF-8. Rewrites MTL files (obj_text.h), and recognises
-/// UTF-16 by its byte order mark. Does not open files outside the scene's folder, and writes no files. Keeps
-/// a list of requested files that are missing, and a list of those outside the folder.
+/// Gives assimp the contents of files from memory, as UTF-8, with MTL files rewritten (obj_text.h).
+/// Does not open files outside the scene's folder, and writes no files.
+/// Lists requested files that are missing or outside the folder.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text` is the content of the scene file, as returned by `rewritten_obj`.
@@ -29,8 +29,7 @@ class MeshFiles : public Assimp::IOSystem {
     void Close(Assimp::IOStream* stream) override;
 
     [[nodiscard]] const std::vector<ReferredFile>& opened() const { return opened_; }
-    /// Returns the options (such as -s and -o of map_Kd) of the texture images in the MTL files, by name of
-    /// the material.
+    /// Returns the texture options in the MTL files (such as -s and -o of map_Kd), by name of the material.
     [[nodiscard]] const std::map<std::string, MaterialPictures>& pictures() const { return pictures_; }
     [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
     [[nodiscard]] const std::vector<std::string>& outside() const { return outside_; }
@@ -49,8 +48,8 @@ class MeshFiles : public Assimp::IOSystem {
 /// Largest file that assimp may read, in bytes. Assimp needs about ten times as much memory.
 inline constexpr std::uintmax_t largest_mesh_file_bytes = std::uintmax_t{1} << 30;
 
-/// Converts UTF-16 text with a byte order mark to UTF-8, with '?' in place of surrogates. Removes the byte
-/// order mark from UTF-8 text. Returns any other text unchanged.
+/// Converts UTF-16 text with a byte order mark to UTF-8, with '?' in place of surrogates.
+/// Removes the byte order mark from UTF-8 text. Returns any other text unchanged.
 [[nodiscard]] std::string as_utf8(std::string text);
 
 }  // namespace postlens

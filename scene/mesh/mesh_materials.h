@@ -1,4 +1,4 @@
-// Converts materials from MTL files (read by assimp), and textures of OBJ and PLY files, to Whitted's model.
+// Converts materials of MTL files (read by assimp), and textures of OBJ and PLY files, to Whitted's model.
 #pragma once
 
 #include <assimp/material.h>
@@ -16,8 +16,8 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files, by which Ka is multiplied. It is low, because exporters
-/// write a Ka of 1 for every material.
+/// Ambient light of scenes from OBJ and PLY files, a factor of Ka. It is low, because exporters write a Ka of
+/// 1.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {
@@ -25,13 +25,13 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts a material. `pictures` contains the options of the material's texture images. Throws
-    /// Error(invalid_input) if the path of a texture leads out of the scene's folder.
+    /// Converts a material. `pictures` contains the options of its texture images.
+    /// Throws Error(invalid_input) if the path of a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Reads a texture. Adds a note and returns null if the file cannot be read. Throws Error(invalid_input)
-    /// if the path leads out of the scene's folder.
+    /// Reads a texture. Adds a note and returns null if the file cannot be read.
+    /// Throws Error(invalid_input) if the path leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file, bool clamp = false);
 
   private:

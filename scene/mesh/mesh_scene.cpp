@@ -100,8 +100,7 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // Texture coordinates may be given per corner of a face. In that case, each corner becomes a separate
-        // vertex.
+        // If texture coordinates are given per corner of a face, each corner becomes a separate vertex.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;
@@ -156,8 +155,8 @@ class MeshReader {
         return colour;
     }
 
-    // Converts a vertex colour from sRGB to linear. Colours in PLY files are treated as sRGB, because
-    // scanners write sRGB. Colours in OBJ files are linear already, like Kd.
+    // Colours in PLY files are treated as sRGB, because scanners write sRGB. Those in OBJ files are linear,
+    // like Kd.
     static glm::vec3 screen_colour(const glm::vec3& colour) {
         glm::vec3 out = bounded_colour(colour);
         for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);
@@ -178,7 +177,7 @@ class MeshReader {
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path_.string(), one_line(why));
     }
 
-    // The recursion is not deep, because node trees of OBJ files have only two levels.
+    // Node trees of OBJ files have only two levels, so the recursion is not deep.
     void add_node(const aiScene& from, const aiNode& node, MeshMaterials& materials) {
         if (node.mNumMeshes > 0) {
             const std::string name = node.mName.C_Str();
@@ -209,7 +208,7 @@ class MeshReader {
         return found == pictures_.end() ? MaterialPictures{} : found->second;
     }
 
-    // Returns the options that state how the texture images of a material are mapped to surfaces.
+    // Returns how the texture images of a material are mapped to surfaces.
     PictureOptions uv_options(const aiMaterial& material) const {
         const MaterialPictures pictures = pictures_of(material);
         return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;

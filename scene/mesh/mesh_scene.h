@@ -6,8 +6,8 @@
 namespace postlens {
 
 /// Reads a .obj or .ply. Every object or group of an OBJ file becomes an object with its own id.
-/// docs/mesh_scenes.md describes the conversion and lists what is ignored (with a note to the user). Throws
-/// Error(invalid_input) "FILE: ...".
+/// docs/mesh_scenes.md lists what is ignored (with a note to the user).
+/// Throws Error(invalid_input) "FILE: ...".
 [[nodiscard]] Scene read_mesh_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

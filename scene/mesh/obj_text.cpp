@@ -13,8 +13,7 @@
 namespace postlens {
 namespace {
 
-// A loop over this function is three times as fast as `find_first_of`, which matters for files with millions
-// of lines.
+// A loop over this function is three times as fast as `find_first_of`, which matters for millions of lines.
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
@@ -49,8 +48,8 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// Takes a line from the front of `text`, without the line end. If `may_go_on` is true, a line that ends with
-// a backslash includes the next line.
+// Takes a line, without its end, from the front of `text`.
+// If `may_go_on` is true, a line that ends with a backslash includes the next line.
 std::string_view take_line(std::string_view& text, bool may_go_on) {
     std::size_t end = line_end(text, 0);
     while (may_go_on && end > 0 && end < text.size() && text[end - 1] == '\\') {
@@ -66,7 +65,7 @@ void move_line_ends(std::string_view& text, std::string& out) {
     for (; !text.empty() && is_line_end(text.front()); text.remove_prefix(1)) out += text.front();
 }
 
-// Appends a line of numbers. Adds a 0 before each decimal point that begins a number, so ".5" becomes "0.5".
+// Appends a line of numbers, with a 0 before a decimal point that begins a number: ".5" becomes "0.5".
 void append_numbers(std::string_view line, std::string& out) {
     std::size_t copied = 0;
     for (std::size_t at = line.find('.'); at != std::string_view::npos; at = line.find('.', at + 1)) {
@@ -81,8 +80,8 @@ void append_numbers(std::string_view line, std::string& out) {
     out += line.substr(copied);
 }
 
-// Appends one `mtllib` line per file name. File names may contain blanks, so a name ends only after ".mtl". A
-// comment ends the list of names.
+// Appends one `mtllib` line per file name, up to a comment.
+// File names may contain blanks, so a name ends only after ".mtl".
 void append_libraries(std::string_view names, std::string& out) {
     for (bool first = true; !names.empty() && names[0] != '#'; first = false) {
         std::size_t end = 0;
@@ -100,7 +99,7 @@ class OptionReader {
   public:
     OptionReader(std::string_view words, SceneNotes& notes) : rest_(words), notes_(notes) {}
 
-    // Reads the options into `out`. Returns the rest of the line, which is the file name.
+    // Reads the options into `out`. Returns the rest of the line, the file name.
     std::string_view read(PictureOptions& out) {
         while (rest_.starts_with('-')) {
             const std::string option = lower_case(std::string(take_word()));
@@ -129,7 +128,7 @@ class OptionReader {
         return word;
     }
 
-    // Reads up to `most` numbers. Never reads the last word of the line, because it is the file name.
+    // Reads up to `most` numbers, but never the last word of the line, which is the file name.
     std::vector<double> take_numbers(std::size_t most) {
         std::vector<double> out;
         while (out.size() < most && first_word(rest_).size() < rest_.size()) {
@@ -141,8 +140,7 @@ class OptionReader {
         return out;
     }
 
-    // Reads one to three numbers into `to`. A third number is ignored, because only three-dimensional
-    // textures need it.
+    // Reads one to three numbers into `to`. The third is only for three-dimensional textures and is ignored.
     void read_pair(glm::dvec2& to) {
         constexpr double most = 1e9;
         const std::vector<double> v = take_numbers(3);
@@ -170,8 +168,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // Blanks at the end of the line were removed. If the line now ends with a backslash, a blank is
-        // added, because the backslash would otherwise continue the line.
+        // The line has lost its blanks at the end. A blank after a backslash prevents that it continues the
+        // line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

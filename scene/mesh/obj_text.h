@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// How a texture image of an MTL file is mapped to a surface: the image is read at scale * (u, v) + offset.
+/// How a texture image of an MTL file is mapped to a surface: it is read at scale * (u, v) + offset.
 struct PictureOptions {
     glm::dvec2 scale{1}, offset{0};  ///< values of -s and -o
     bool clamp = false;              ///< option -clamp: the border colours continue outside the unit square
@@ -24,14 +24,14 @@ struct MaterialPictures {
     PictureOptions colour, emission;  ///< options of map_Kd and map_Ke
 };
 
-/// Returns the text of an OBJ file in a form in which assimp 5.2 reads every line. The contents stay the
-/// same. The result has no blanks around lines, no comments after numbers, a digit before every decimal
-/// point, and one `mtllib` line per file name.
+/// Returns the text of an OBJ file in a form in which assimp 5.2 reads every line.
+/// The result has no blanks around lines, no comments after numbers, a digit before every decimal point,
+/// and one `mtllib` line per file name.
 [[nodiscard]] std::string rewritten_obj(std::string_view text);
 
-/// Returns the text of an MTL file without comments after numbers and without `-halo`. The options of map_Kd
-/// and map_Ke are moved from the text to `pictures`, by name of the material. Options that are ignored cause
-/// notes.
+/// Returns the text of an MTL file without comments after numbers and without `-halo`.
+/// The options of map_Kd and map_Ke are moved to `pictures`, by name of the material.
+/// Options that are ignored cause notes.
 [[nodiscard]] std::string rewritten_mtl(std::string_view text,
                                         std::map<std::string, MaterialPictures>& pictures, SceneNotes& notes);
 

@@ -17,8 +17,7 @@
 namespace postlens {
 namespace {
 
-// Returns the index of the property that has one of the given names, or empty if the element has no such
-// property.
+// Returns the index of the property that has one of the given names, or empty if there is none.
 std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<std::string_view> names,
                                     bool is_list) {
     for (const std::string_view name : names) {
@@ -30,8 +29,7 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Returns the indices of several properties, or empty if one of them is missing. Each property can have one
-// of several names.
+// Returns the indices of several properties, each with one of several names, or empty if one is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -44,8 +42,7 @@ std::optional<std::array<std::size_t, count>> places_of(
     return out;
 }
 
-// Returns the stored value that means a colour of 1. Files with 32-bit integers are assumed to use only the
-// range of a byte.
+// Returns the stored value of a colour of 1. 32-bit integers are assumed to use only the range of a byte.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;
@@ -132,15 +129,15 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // Corners of earlier faces that had no texture coordinates get (0, 0).
+        // Corners of earlier faces without texture coordinates get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
-    // Adds the triangles of strips. Every second triangle of a strip is reversed, so that all have the same
-    // winding. An index of -1 ends a strip. Triangles with repeated corners are omitted, because they only
-    // serve to join parts of a strip.
+    // Adds the triangles of strips. An index of -1 ends a strip.
+    // Every second triangle of a strip is reversed, so that all have the same winding.
+    // Triangles with repeated corners only join parts of a strip and are omitted.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -165,8 +162,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element, such as one vertex or one face. Stores its scalars by index of the
-    // property, and only those of its lists that `kept_lists_` contains.
+    // Reads one instance of an element, such as one vertex. Stores its scalars by index of the property.
+    // Of its lists, only those in `kept_lists_` are stored.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -276,8 +273,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The lists of a face that are kept: its corners and its texture coordinates. `kept_lists_` contains the
-    // indices of the properties, and `lists_` the values.
+    // The lists of a face that are kept: corners and texture coordinates.
+    // `kept_lists_` are the indices of the properties, and `lists_` the values.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

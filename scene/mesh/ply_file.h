@@ -25,9 +25,9 @@ struct PlyFile {
     std::string texture_file;                  ///< may be empty
 };
 
-/// Reads an ASCII or binary PLY file. Elements and properties may be in any order, and list counts may have
-/// any type. Reads faces and triangle strips, and skips other elements with a note. Needs at most a few times
-/// the memory of `bytes`. Throws Error(invalid_input) "FILE: ...".
+/// Reads an ASCII or binary PLY file, with elements and properties in any order.
+/// Reads faces and triangle strips, and skips other elements with a note.
+/// Needs at most a few times the memory of `bytes`. Throws Error(invalid_input) "FILE: ...".
 [[nodiscard]] PlyFile read_ply_file(std::string_view bytes, const std::string& file, SceneNotes& notes);
 
 }  // namespace postlens

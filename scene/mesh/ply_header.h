@@ -1,4 +1,4 @@
-// Reads the header of a PLY file, which lists its elements and how their values are stored.
+// Reads the header of a PLY file: its elements, and how their values are stored.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +32,8 @@ struct PlyHeader {
     std::string texture_file;  ///< from a "TextureFile" comment, which MeshLab and VCGlib write; or empty
 };
 
-/// Removes the header from the front of `bytes`, which then begins with the data. All lines must end like the
-/// first one: with CR alone, or with LF. A CR before LF is ignored. Throws Error(invalid_input) "FILE: ...".
+/// Removes the header from the front of `bytes`. Throws Error(invalid_input) "FILE: ...".
+/// All lines must end like the first one: with CR alone, or with LF. A CR before LF is ignored.
 [[nodiscard]] PlyHeader take_ply_header(std::string_view& bytes, const std::string& file);
 
 }  // namespace postlens

@@ -20,8 +20,7 @@ namespace {
 
 using glm::dvec3;
 
-// The numbers of an `f` line: R G B Kd Ks Shine T ior. The defaults replace missing numbers. They also apply
-// to objects before the first `f` line.
+// The numbers of an `f` line: R G B Kd Ks Shine T ior. The defaults replace missing numbers and lines.
 using Fill = std::array<double, 8>;
 constexpr Fill default_fill{1, 1, 1, 0.8, 0, 32, 0, 1};
 
@@ -97,7 +96,7 @@ class NffReader {
                 camera.width = read_resolution();
                 camera.height = read_resolution();
             }
-            // 'hither' is the distance of the near clipping plane. A ray tracer does not need it.
+            // 'hither' is the distance of the near clipping plane, which a ray tracer does not need.
             if (*field == "hither") std::ignore = tokens_.number("'hither'", largest_);
         }
         for (std::size_t i = 0; i + 1 < fields.size(); ++i) {
@@ -122,8 +121,7 @@ class NffReader {
 
     int read_resolution() {
         const double pixels = tokens_.number("'resolution'", largest_length_m);
-        // 'angle' is measured between the centres of the first and the last row of pixels, so there must be
-        // at least two rows.
+        // 'angle' is measured between the centres of the first and last row, so there must be two rows.
         if (!(pixels >= 2 && pixels <= largest_raster_px) || pixels != std::floor(pixels)) {
             tokens_.fail_here("'resolution' is out of range (got {}; expected a whole number of 2 to {} px)",
                               pixels, largest_raster_px);
@@ -311,8 +309,7 @@ class NffReader {
                 n.count == 1 ? fmt::format("{}:{}: {}", path_.string(), n.line, n.text)
                              : fmt::format("{}:{}: {} ({} times)", path_.string(), n.line, n.text, n.count));
         }
-        // Relative intensity of each light, as the documentation of the Standard Procedural Databases
-        // proposes.
+        // Relative intensity of each light, as proposed with the Standard Procedural Databases.
         const double lights = static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1));
         const double intensity = std::sqrt(lights) / (2 * lights);
         for (Light& light : scene_.lights) light.intensity *= intensity;

@@ -1,5 +1,4 @@
-// Reads scenes in the Neutral File Format [haines1987], in the variant used by the Standard Procedural
-// Databases.
+// Reads scenes in the Neutral File Format [haines1987], as used by the Standard Procedural Databases.
 #pragma once
 
 #include "scene/scene.h"
@@ -8,9 +7,8 @@ namespace postlens {
 
 /// Reads the entities v, b, l, f, c, s, p, pp and comments. Lengths are multiplied by
 /// `options.metres_per_unit`. Every `s` and `c` becomes an object with its own id. Successive `p` and `pp`
-/// with the same `f` become one mesh with one id. docs/scene_format.md describes the conversion and the
-/// defaults, and lists what is skipped (with a note to the user). Throws Error(invalid_input) "FILE:LINE:
-/// ...".
+/// with the same `f` become one mesh with one id. docs/scene_format.md lists defaults and what is skipped.
+/// Throws Error(invalid_input) "FILE:LINE: ...".
 [[nodiscard]] Scene read_nff_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

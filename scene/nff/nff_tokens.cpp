@@ -9,8 +9,7 @@
 namespace postlens {
 namespace {
 
-// Greatest length of a line, in characters. A longer line is an error. Lines of published NFF files have at
-// most 60.
+// Greatest length of a line, in characters. Lines of published NFF files have at most 60.
 constexpr std::size_t longest_line = std::size_t{1} << 16;
 constexpr std::size_t chunk_bytes = std::size_t{1} << 16;
 constexpr std::string_view blanks = " \t\r\v\f";
@@ -77,8 +76,7 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // Returns no words if `peek` has already read a later line. `taken_line_` is the line of the last word,
-    // and `words_` are the words of line `line_`.
+    // If `peek` has already read a later line, `line_` differs from the line of the last word.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

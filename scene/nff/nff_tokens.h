@@ -14,22 +14,22 @@
 
 namespace postlens {
 
-/// The words of a file, without comments. The SHA-256 of the file is computed while the file is read.
+/// The words of a file, without comments. Computes the SHA-256 of the file while reading.
 class NffTokens {
   public:
     /// Throws Error(invalid_input) if the path is not a readable file.
     explicit NffTokens(const std::filesystem::path& path);
 
-    /// Returns the next word and moves past it. The word may be on a later line. Returns empty at the end of
-    /// the file. The word is valid until the next line is read.
+    /// Returns the next word, also from a later line, and moves past it. Empty at the end of the file.
+    /// The word is valid until the next line is read.
     [[nodiscard]] std::optional<std::string_view> next();
     /// Returns the word that `next` would return, without moving past it.
     [[nodiscard]] std::optional<std::string_view> peek();
     /// Returns the remaining words on the line of the last word.
     [[nodiscard]] std::vector<std::string> rest_of_line();
 
-    /// Returns the next word as a finite number. The absolute value must not exceed `largest`. `what`
-    /// describes the number in error messages.
+    /// Returns the next word as a finite number, whose absolute value must not exceed `largest`.
+    /// `what` describes the number in error messages.
     [[nodiscard]] double number(std::string_view what, double largest);
     /// Converts a word that `next` has returned to a number.
     [[nodiscard]] double number(std::string_view word, std::string_view what, double largest) const;

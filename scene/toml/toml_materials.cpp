@@ -115,8 +115,7 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     t.allow_only({known});
     Material m;
     m.name = t.required(t.text("name"), "name");
-    // `colour` multiplies the three diffuse coefficients. Reflection, transmission and highlights keep their
-    // own colours.
+    // `colour` multiplies only the three diffuse coefficients.
     const dvec3 colour = t.number_or_vec3("colour", colour_range).value_or(dvec3(1));
     m.ambient = colour * t.number_or_vec3("ambient", colour_range).value_or(m.ambient);
     m.diffuse = colour * t.number_or_vec3("diffuse", colour_range).value_or(m.diffuse);
@@ -128,8 +127,7 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.transmission = t.number_or_vec3("transmission", share_range).value_or(m.transmission);
     m.ior = t.number("ior", {.min = 0.01, .max = 100}).value_or(m.ior);
     m.fresnel = t.flag("fresnel").value_or(m.fresnel);
-    // A coefficient of 0 stays 0 at grazing angles. Otherwise, a material without reflection or highlight
-    // would get one there.
+    // A material without reflection or highlight must not get one at grazing angles.
     if (m.reflection == dvec3(0)) m.reflection_grazing = dvec3(0);
     if (m.specular == dvec3(0)) m.specular_grazing = dvec3(0);
     m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);

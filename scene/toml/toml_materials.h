@@ -16,15 +16,15 @@ namespace postlens {
 
 using TexturesByName = std::map<std::string, std::shared_ptr<const Texture>, std::less<>>;
 
-/// Reads the textures of a scene, by name. Image files must be in the scene's folder or below. They are added
-/// to `files`.
+/// Reads the textures of a scene, by name. Adds their image files to `files`.
+/// These must be in the scene's folder or below.
 [[nodiscard]] TexturesByName read_textures(const TomlTable& root, const std::filesystem::path& scene_path,
                                            double metres_per_unit, std::vector<ReferredFile>& files);
 
 [[nodiscard]] std::vector<Material> read_materials(const TomlTable& root, const TexturesByName& textures);
 
-/// Returns an error message for the unknown name `got`, with a list of the `known` names. `kind` states what
-/// is named, such as "material".
+/// Returns an error message for the unknown name `got`, with the nearest of the `known` names.
+/// `kind` states what is named, such as "material".
 [[nodiscard]] std::string unknown_name(std::string_view kind, std::string_view got,
                                        const std::vector<std::string_view>& known);
 

@@ -76,8 +76,8 @@ class ObjectReader {
     }
 
   private:
-    // Checks the keys of a table in which "shape" is missing or misspelt. Accepts the keys of all shapes, so
-    // that the error message is about "shape" and not about another key.
+    // Checks the keys of a table in which "shape" is missing or misspelt.
+    // Accepts the keys of all shapes, so that the error message is about "shape".
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

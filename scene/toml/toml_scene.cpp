@@ -51,7 +51,7 @@ Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions&
     scene.cameras = read_cameras(root, options.metres_per_unit);
     scene.lights = read_lights(root, options.metres_per_unit);
     name_sources(text, files, scene);
-    // `light = []` means that the scene is dark on purpose, so no default light is added.
+    // `light = []` means that the scene is dark on purpose.
     complete_scene(scene, path, answers_to_lights(scene) && !root.has("light"), 1);
     return scene;
 }

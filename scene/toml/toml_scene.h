@@ -7,13 +7,12 @@
 
 namespace postlens {
 
-/// Largest .toml scene that is read, in bytes. Once parsed, numbers need about fifty times as much memory as
-/// their text.
+/// Largest .toml scene that is read, in bytes. Parsed numbers need about fifty times the memory of their
+/// text.
 inline constexpr std::uintmax_t largest_toml_bytes = 8'000'000;
 
 /// Reads a .toml scene and fills in all defaults. Lengths are multiplied by `options.metres_per_unit`.
-/// Scene::sha256 covers the bytes of the file, followed by a line "name sha256" for each file to which the
-/// scene refers, in the order of the references. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".
+/// Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".
 [[nodiscard]] Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

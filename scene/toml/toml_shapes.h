@@ -10,8 +10,7 @@
 
 namespace postlens {
 
-/// Values of the key `shape`. In the functions below, the parameter `kind` is an index into this array. An
-/// "instance" is a copy of another object.
+/// Values of the key `shape`. `kind` is an index into this array. An "instance" is a copy of another object.
 inline constexpr std::array<std::string_view, 9> shape_kinds{"sphere",   "box",  "disc", "rectangle", "plane",
                                                              "cylinder", "cone", "mesh", "instance"};
 inline constexpr std::size_t instance_kind = 8;
@@ -19,8 +18,7 @@ inline constexpr std::size_t instance_kind = 8;
 /// Returns the keys that only this kind of shape has.
 [[nodiscard]] std::span<const std::string_view> shape_keys(std::size_t kind);
 
-/// Reads a shape from the table of an object. The shape is in metres in object space. `kind` must not be
-/// `instance_kind`.
+/// Reads a shape from the table of an object, in metres in object space. `kind` must not be `instance_kind`.
 [[nodiscard]] Shape read_shape(const TomlTable& table, std::size_t kind, double metres_per_unit);
 
 }  // namespace postlens

@@ -14,8 +14,7 @@ namespace {
 using glm::dvec3;
 using Name = std::string_view;
 
-// Range of film sizes and focal lengths, in mm. It is far wider than that of real cameras, but narrow enough
-// to keep quotients finite.
+// Range of film sizes and focal lengths, mm: wider than real ones, but narrow enough for finite quotients.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};
 
 void read_projection(const TomlTable& t, double unit, Camera& camera) {
@@ -139,8 +138,8 @@ Light read_light(const TomlTable& t, double unit) {
         light.attenuation = t.vec3("attenuation", {.min = 0, .max = 1e12}).value_or(light.attenuation);
         if (light.attenuation == dvec3(0))
             t.fail_at("attenuation", "'attenuation' is 0 everywhere (expected one term above)");
-        // The attenuation is 1 / (a0 + a1 r + a2 r^2). In the file, r is in scene units. Here, a1 and a2 are
-        // converted so that r is in metres.
+        // The attenuation is 1 / (a0 + a1 r + a2 r^2), where r is in scene units in the file and in metres
+        // here.
         light.attenuation /= dvec3(1, unit, unit * unit);
     }
     if (has_aim) light.direction = t.required(read_direction(t, "direction"), "direction");
@@ -158,7 +157,7 @@ Light read_light(const TomlTable& t, double unit) {
     return light;
 }
 
-// Reads all tables of one kind. Tables without a name are numbered. It is an error if a name is repeated.
+// Reads all tables of one kind. Tables without a name are numbered. Repeated names are an error.
 template <typename Read>
 auto read_named(const TomlTable& root, const std::string& key, const Read& read) {
     std::vector<decltype(read(root))> out;

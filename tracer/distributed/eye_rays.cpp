@@ -30,8 +30,7 @@ void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
         }
     }
     if (lane == 0) return;
-    // If the last group of rays has fewer than 16 samples, its unused entries are set to 0, and their rays
-    // are removed from the batch.
+    // The last group may have fewer than 16 samples. The rays of its unused entries are removed.
     for (std::size_t i = lane; i < 16; ++i) {
         samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
     }

@@ -1,5 +1,4 @@
-// The camera with a lens and a shutter. It maps sample values in [0, 1) to eye rays. Each ray has its own
-// lens point and its own instant [cook1984].
+// The camera with a lens and a shutter. It maps random numbers in [0, 1) to eye rays [cook1984].
 #pragma once
 
 #include <array>
@@ -32,31 +31,31 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` provides the raster, the projection and the pose of the camera without motion. `camera`
-    /// provides the motion. An orthographic camera must have an aperture radius of 0.
+    /// `model` is the raster, projection and pose of the camera, and `camera` its motion.
+    /// An orthographic camera must have an aperture radius of 0.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples with explicit lens points instead of random numbers. x and y are raster positions, px.
-    /// The lens points are in lens radii, along the raster's axes. Not for cameras with a lens prescription.
+    /// Sixteen samples with given lens points, in lens radii along the raster's axes. x and y are in px.
+    /// Not for cameras with a lens prescription.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through explicit lens points to the batch. Except for rounding, they equal the rays that the
-    /// overload for LensSamples makes for these lens points.
+    /// Adds rays through given lens points to the batch.
+    /// Except for rounding, they equal the rays of the other overload for the same lens points.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
     /// Adds 16 rays with unit directions to the batch. Sets their times only if the batch has times. If
-    /// `loses_rays()` is true, appends the lens's transmittance for each ray to `weights`. A ray with a
-    /// transmittance of 0 is set to hit nothing.
+    /// `loses_rays()`, appends each ray's transmittance to `weights`. A ray with transmittance 0 hits
+    /// nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// True if the lens may block part of the light of some rays. add_rays then appends their transmittances
-    /// to `weights`. If false, add_rays leaves `weights` unchanged.
+    /// True if the lens may block part of the light of some rays. Otherwise add_rays leaves `weights`
+    /// unchanged.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// A ray in double precision, used as the reference in tests. `time` is a fraction of the shutter
-    /// interval, 0 to 1.
+    /// A ray in double precision, the reference of tests. `time` is a fraction of the shutter interval, 0 to
+    /// 1.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -64,27 +63,25 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// A ray for the raster position (x, y) leaves the lens at `unit`, in lens radii. Returns the raster
-    /// position, px, at which the pinhole sees the ray's point at distance t, m. Not for cameras with a lens
-    /// prescription.
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray through the lens.
+    /// The ray for (x, y) leaves the lens at `unit`, in lens radii. The point is at distance t, m.
+    /// Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth of the point `world`, 1/m, and its two derivatives along the raster's axes,
-    /// 1/m per px. The derivatives are those of the surface's tangent plane, which has the given normal. All
-    /// three values are 0 if the pinhole sees this plane edge-on or if the camera is orthographic. Not for
-    /// moving cameras.
+    /// Returns the inverse depth of `world`, 1/m, and its two derivatives on the raster, 1/m per px.
+    /// The derivatives are those of the tangent plane with this normal. Not for moving cameras.
+    /// All three are 0 if the pinhole sees this plane edge-on or if the camera is orthographic.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
-    /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for
-    /// points behind the camera.
+    /// Returns the scale of the image at a world point: px per metre perpendicular to the optical axis.
+    /// 0 for points behind the camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
     [[nodiscard]] bool moves() const { return moves_; }
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the frame of the camera. The lens points (m) and the tangents of the directions are
-    // measured along the raster's axes.
+    // Sixteen rays in the camera's frame: lens points (m) and tangents along the raster's axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };
@@ -95,8 +92,9 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray from the lens point `unit`, in lens radii, to the point in the plane of focus that
-    /// the pinhole sees at (x, y). Returns true if the aperture transmits the ray.
+    /// Computes the ray from the lens point `unit`, in lens radii, towards the raster position (x, y). It
+    /// passes the point of the focus plane that the pinhole sees there. Returns true if the aperture
+    /// transmits it.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

@@ -14,8 +14,7 @@ Scene recentred(Scene scene, const glm::dvec3& origin) {
         o.world_from_object[3] -= glm::dvec4(origin, 0);
         move_keys(o.keys, origin);
     }
-    // Keyframes transform the position at rest. Translating the keyframes therefore translates the result,
-    // and the position at rest must not change.
+    // Keyframes transform the position at rest, so only the keyframes are translated.
     for (Light& l : scene.lights) {
         if (l.keys.empty()) l.position -= origin;
         move_keys(l.keys, origin);

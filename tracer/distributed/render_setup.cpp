@@ -12,8 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Placeholder for the f-number of a lens prescription until that number has been computed. It only needs to
-/// be finite.
+/// Finite placeholder for the f-number of a lens prescription, until that number has been computed.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {
@@ -54,7 +53,7 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     lens_.focal_length_mm = s.focal_length_mm.value_or(
         model.projection == Camera::Projection::perspective ? model.film_distance_mm : 50);
     if (model.projection == Camera::Projection::orthographic) {
-        // An orthographic camera has parallel rays, so it has neither a film distance nor an aperture.
+        // An orthographic camera has neither a film distance nor an aperture.
         if (s.f_number && std::isfinite(*s.f_number)) {
             fail(ExitCode::wrong_arguments,
                  "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected "

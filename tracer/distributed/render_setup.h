@@ -1,5 +1,4 @@
-// Everything that a render computes from its settings before it traces rays: the recentred scene, the lens,
-// the shutter, and the structures for ray tracing.
+// What a render computes before it traces rays: the recentred scene, the lens, the shutter and the ray scene.
 #pragma once
 
 #include <optional>

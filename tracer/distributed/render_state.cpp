@@ -27,14 +27,11 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes the layout of the file, as JSON: the number of halves
-/// (independent sets of samples), the number of blocks of samples, whether an unfinished block has its own
-/// sum, and the exposure in stops.
+/// Name of the file attribute that describes the layout of the file, as JSON.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel. There are 3 for R, G and B. Each half of the samples adds
-// 1 channel for the sample count and 6 for each sum (three doubles). A half has one sum per block, and one
-// more for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel: 3 for RGB, and for each half one count and 6 per sum.
+// A sum is three doubles. There is one per block, and `with_open` adds one for an unfinished block.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -44,8 +41,8 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file, one per 32-bit word of a pixel. `words` holds the words of all pixels,
-/// and each channel points to its word of the first pixel. If `words` is null, so are the pointers.
+/// Returns the channels of the file, one per 32-bit word of a pixel.
+/// `words` holds all pixels, and each channel points to its word of the first. If null, so are the pointers.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -146,8 +143,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // The memory per pixel consists of the sums (24 bytes each) and sample counts (4 bytes each), a copy in
-    // the layout of the file, and two float images (24 bytes).
+    // Per pixel: sums (24 bytes each), counts (4 bytes each), a copy in the file's layout and two float
+    // images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
@@ -270,8 +267,7 @@ void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     unpack(words, state);
 }
 
-// Returns the name of the first setting in which two fingerprints (RenderSetup::fingerprint) differ, and both
-// values.
+// Returns the first setting in which two fingerprints (RenderSetup::fingerprint) differ, with both values.
 std::string first_difference(const std::string& found, const std::string& expected) {
     const nlohmann::json got = nlohmann::json::parse(found, nullptr, false);
     const nlohmann::ordered_json wanted = nlohmann::ordered_json::parse(expected);

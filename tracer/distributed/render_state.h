@@ -12,24 +12,22 @@
 
 namespace postlens {
 
-/// Largest number of blocks into which the samples of a pixel are divided. If a render is split into parts
-/// (--share), each part renders some of the blocks, so this is also the largest number of parts.
+/// Largest number of blocks into which the samples of a pixel are divided.
+/// It is also the largest number of parts of a render (--share), because a part consists of whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance and sample counts per pixel. If the samples are divided into two halves, each half has
-/// its own sums and counts. A sum is 3 doubles (RGB) per pixel, row-major, of radiance multiplied by the
-/// exposure.
+/// Sums of radiance and sample counts per pixel, separate for each of up to two halves of the samples.
+/// A sum is 3 doubles (RGB) per pixel, row-major, of radiance multiplied by the exposure.
 ///
-/// The samples of a pixel are divided into blocks. Each block is summed separately, and the sums of the
-/// blocks are added in order. The result is therefore bit-identical even if different runs render the blocks.
-/// A state contains either the total of all blocks (`blocks` is 1) or a separate sum for each of several
-/// blocks.
+/// The samples of a pixel are divided into blocks, whose sums are added in order.
+/// The result is therefore bit-identical if several runs render the blocks.
+/// A state contains either the total of all blocks (`blocks` is 1) or one sum per block.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
-    /// Sum of the block of samples that is being rendered. It is added to `sums` when the block is complete.
+    /// Sum of the unfinished block of samples. It is added to `sums` when the block is complete.
     /// Empty if every block is traced in one step or has its own sum (`blocks` > 1).
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
@@ -38,16 +36,16 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the samples of another part of the render. Parts must be added in the order of their numbers.
+    /// Adds the samples of another part of the render. The order of the parts affects rounding.
     void add(const RenderState& part);
     /// Returns the mean radiance of all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file. R, G, B contain the mean radiance so far. Further channels contain the exact bits
-/// of all sums and sample counts. `settings` identifies the render. If `part_mark` is not empty, it is stored
-/// in the file to mark it as a part of a render. Throws Error(cannot_write).
+/// Writes an OpenEXR file. R, G, B contain the mean radiance so far.
+/// Further channels contain the exact bits of all sums and sample counts. `settings` identifies the render.
+/// A `part_mark` that is not empty marks the file as a part of a render. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
@@ -57,15 +55,15 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render (--share) from a file that write_state has written. Empty if the file is not such
-/// a part. If `facts_only` is set, only the size, the number of halves and the exposure are read. Throws
-/// Error(invalid_input) if the part is damaged.
+/// Reads a part of a render (--share). Empty if the file is not such a part.
+/// With `facts_only`, reads only size, number of halves and exposure.
+/// Throws Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file that write_state has written with the same `settings`. The caller must construct `state` with
-/// the size and `halves` of the render. Throws Error(invalid_input) if the file was not written by
-/// write_state, is damaged or has other settings.
+/// Reads a file that write_state has written with the same `settings`.
+/// The caller must construct `state` with the size and `halves` of the render.
+/// Throws Error(invalid_input) if the file is damaged, has other settings or is not from write_state.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Traces rays through given lens points into a scene. Surfaces are shaded as in `render`.
+// Traces rays through given lens points. Surfaces are shaded as in `render`.
 #pragma once
 
 #include <mutex>
@@ -12,9 +12,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines` is the largest number of rays per pixel that share one stratified set of random samples. The
-    /// index of a ray in this set, SightLine::view, must be less than `lines`. Keeps a reference to `setup`,
-    /// which must not have a lens prescription.
+    /// Up to `lines` rays per pixel share one stratified set of random samples. SightLine::view is the index
+    /// in it. Keeps a reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -24,9 +23,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. Where
-    /// an image needs more patches per pixel, rays are traced instead. The value was measured on images of
-    /// six scenes.
+    /// Returns how many patches (planar parts of surfaces) can be drawn in the time of one ray.
+    /// Where an image needs more patches per pixel, rays are faster. Measured on images of six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -1,5 +1,5 @@
-// Embree's callbacks for still and moving analytic shapes, and its filter functions for triangles. Embree
-// passes rays as structures of arrays of N = 1, 4, 8 or 16 rays.
+// Embree's callbacks for analytic shapes at rest or moving, and its filters for triangles.
+// A packet is a structure of arrays of N = 1, 4, 8 or 16 rays.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -18,8 +18,7 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Removes the crossing nearest to t = 0. If the ray starts on the shape, this crossing is the origin of the
-// ray and not a hit.
+// Removes the crossing nearest to t = 0. For a ray that starts on the shape, it is the ray's origin.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;
@@ -33,8 +32,8 @@ void drop_start(Crossings<T>& c) {
     }
 }
 
-// Intersects one primitive with every valid ray of a packet. `of(rays, i)` returns the distances at which ray
-// i crosses the primitive.
+// Intersects one primitive with every valid ray of a packet.
+// `of(rays, i)` returns the distances at which ray i crosses the primitive.
 template <typename Found>
 void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
     const auto& context = context_of(args->context);
@@ -78,8 +77,8 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// All inputs are copied to local arrays before any result is stored. Without the copies, the compiler would
-// assume that pointers into Embree's packet alias, and would not vectorise the loop.
+// All inputs are copied to local arrays before any result is stored.
+// Otherwise the compiler assumes that Embree's pointers alias, and does not vectorise the loop.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
                                                    const Rays& rays, const Hits& hits, const Pairs& pairs) {
@@ -119,8 +118,7 @@ POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* ar
     }
 }
 
-// Handles packets of 8 or 16 rays, which Embree uses on processors with AVX or later extensions. Returns
-// false for other packet sizes.
+// Handles packets of 8 or 16 rays, which Embree uses with AVX or later. Returns false for other sizes.
 bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
     const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
@@ -181,8 +179,8 @@ void occlude_moving(const RTCOccludedFunctionNArguments* args) {
                  [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
-// Embree rejects bounds beyond about 1.8e18, so they are clamped. A flat box is also padded, because rays
-// could miss it due to float rounding.
+// Embree rejects bounds beyond about 1.8e18, so they are clamped.
+// Boxes are also padded, because rays could miss a flat box due to float rounding.
 RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);

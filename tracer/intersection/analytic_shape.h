@@ -1,5 +1,4 @@
-// Shapes that are defined by a formula. Each shape has a canonical frame, and an affine map places this frame
-// in object space.
+// Shapes that are defined by a formula. An affine map places each shape's canonical frame in object space.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -28,16 +27,15 @@ struct AnalyticShape {
     }
 };
 
-/// A shape in its canonical frame, and the affine map from this frame to object space. `place_shape` returns
-/// an empty value for a mesh.
+/// A shape in its canonical frame, and the affine map from this frame to object space.
 struct PlacedShape {
     AnalyticShape shape;
     glm::dmat4 object_from_local{1};
 };
+/// Empty for a mesh.
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// The values of t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each
-/// crossing.
+/// The values of t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each.
 template <typename T>
 struct Crossings {
     int count = 0;
@@ -48,8 +46,7 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// The parts of a cone: its lateral surface and its caps. The parts of a box are its faces, numbered 2 * axis
-/// for the lower face and 2 * axis + 1 for the upper face.
+/// Parts of a cone. The parts of a box are its faces: 2 * axis is the lower one, 2 * axis + 1 the upper one.
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>

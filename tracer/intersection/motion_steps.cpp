@@ -27,9 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Estimates the largest position error, px, in a box if the transform `taken` replaces the exact transform
-// `truth`. The error in metres is convex over the box, so it is largest at a corner. It is multiplied by the
-// largest image scale at a corner.
+// Estimates the largest position error, px, in a box if `taken` replaces the exact transform `truth`.
+// The error in metres is convex over the box, so it is largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -69,8 +68,7 @@ MotionSteps motion_steps(const MotionPath& path, const dmat4& base, const Bounds
 
 std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, const dmat4& base,
                                   double begin_s, double end_s, int steps) {
-    // Bounds are clamped, because Embree rejects bounds beyond about 1.8e18 and differences of bounds must be
-    // finite.
+    // Embree rejects bounds beyond about 1.8e18, and differences of bounds must be finite.
     constexpr double farthest = 1e18;
     const auto at = [&](double time_s) {
         Bounds b = shape_bounds(shape, path.at(time_s).matrix() * base);
@@ -80,9 +78,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is the distance by which the moving shape extends beyond the interpolated boxes, measured
-    // `looks` times per step. Between these instants, a bound with the second difference `bend` deviates from
-    // a straight line by bend / 8. The margin bend / 4 covers this.
+    // `excess` is how far the shape extends beyond the interpolated boxes, measured `looks` times per step.
+    // Between these instants, a bound with the second difference `bend` deviates from a straight line by bend
+    // / 8. The margin bend / 4 covers this.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

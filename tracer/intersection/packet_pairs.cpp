@@ -66,8 +66,8 @@ template <int N>
     }
 }
 
-// A cone or cylinder with caps is convex, so only the first and the last crossing are needed. Without caps,
-// there are at most two crossings.
+// The first and the last crossing suffice, because a capped cone is convex.
+// Without caps, there are at most two crossings.
 template <int N>
 [[gnu::always_inline]] inline void cone_lanes(const AnalyticSet::Item& item, const Rays& rays, Pairs& out) {
     alignas(64) float o[3][N], d[3][N];
@@ -89,8 +89,8 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // q / a and c / q are the roots of a t^2 + 2 half_b t + c. q is 0 only if half_b and the discriminant
-        // are 0. The ray then touches the surface at t = 0.
+        // q / a and c / q are the roots of a t^2 + 2 half_b t + c.
+        // q is 0 only if half_b and the discriminant are 0. The ray then touches the surface at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);
@@ -156,8 +156,7 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray starts on this shape. The crossing nearest to t = 0 is the origin of the ray and is
-        // removed.
+        // The ray starts on this shape. Its origin is the crossing nearest to t = 0, which is removed.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

@@ -1,5 +1,4 @@
-// Access to Embree's ray packets for the callbacks of user geometry. Only *_packets.cpp and packet_pairs
-// include this header.
+// Access to Embree's ray packets, for the callbacks of user geometry.
 #pragma once
 
 #include <limits>
@@ -12,8 +11,7 @@ inline const RayContext& context_of(const RTCIntersectContext* context) {
     return *reinterpret_cast<const RayContext*>(context);
 }
 
-// Access to the fields of Embree's ray and hit packets. The fields have the same order as in RTCRay and
-// RTCHit, with N values each.
+// The fields of Embree's ray packet, in the order of RTCRay, with N values each.
 struct Rays {
     float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;
@@ -24,6 +22,7 @@ struct Rays {
         id = reinterpret_cast<unsigned*>(f + 10 * n);
     }
 };
+/// The fields of Embree's hit packet that are used, in the order of RTCHit.
 struct Hits {
     unsigned *primitive, *geometry, *instance;
     Hits(RTCRayHitN* rayhit, unsigned n) {
@@ -32,8 +31,8 @@ struct Hits {
     }
 };
 
-/// True if a new hit replaces an old one at the same distance. Embree finds the two hits in an order that
-/// depends on the processor. This rule makes the result independent of the order.
+/// True if a new hit replaces an old one at the same distance.
+/// Without this rule, the result would depend on the order in which Embree finds the hits.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =
@@ -42,7 +41,6 @@ inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, u
            ((instance < old_instance) | ((instance == old_instance) & in_geometry));
 }
 
-/// Returns whether the ray starts on this primitive.
 inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
     if (context.sources == nullptr) return false;
     const HitKey& from = context.sources[ray_id];

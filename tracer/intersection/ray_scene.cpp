@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. With this offset, Embree
-    // does not report a hit on a neighbouring triangle at the origin of the ray.
+    // 2^-18 of the largest coordinate is 64 times the rounding error of a float.
+    // With this offset, Embree reports no hit on a neighbouring triangle at the origin of the ray.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -62,7 +62,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // The capacity of the arrays is a multiple of 16, so reading a whole group stays within them.
+        // The capacity of the arrays is a multiple of 16, so a whole group can be read.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -79,7 +79,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.mask[i] = 0xFFFFFFFFU;
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
-        // Embree aborts the program if a ray is not finite. Such rays are disabled here and hit nothing.
+        // Embree aborts the program if a ray is not finite. Such rays are disabled and hit nothing.
         const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
                                      std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
@@ -87,9 +87,9 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the time of the ray. A moving mesh has one instance for each
-// interval between keyframes. Embree 3.13 tests an occlusion packet in all intervals of its rays, so it may
-// report hits outside a ray's own interval.
+// Rejects hits on instances that do not exist at the time of the ray.
+// A moving mesh has one instance for each interval between keyframes.
+// Embree 3.13 tests an occlusion packet in all intervals of its rays, so a ray may hit outside its own.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -102,8 +102,7 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one at a time. Embree then visits only the nodes of its hierarchy that exist at the time of
-// the ray, so it reports every crossing once.
+// Tests the rays one at a time, because Embree then reports every crossing only once.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;
@@ -134,7 +133,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // The capacity of the arrays is a multiple of 16, so writing a whole group stays within them.
+        // The capacity of the arrays is a multiple of 16, so a whole group can be written.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);
@@ -144,8 +143,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // Occlusion rays are always declared incoherent, because the coherent occlusion test of Embree 3.13 does
-    // not terminate for packets whose directions differ in sign.
+    // The coherent occlusion test of Embree 3.13 does not terminate if directions in a packet differ in sign.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();

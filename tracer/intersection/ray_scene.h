@@ -1,6 +1,5 @@
-// A scene that is prepared for ray tracing, either at one instant or for a shutter interval. Embree finds the
-// primitive that a ray hits, in single precision. The hit point is then computed in double precision, so that
-// normals, reflections and ray differentials are accurate at any scale.
+// A scene prepared for ray tracing, at one instant or for a shutter interval.
+// Embree finds the hit primitive in single precision. The hit point is then computed in double precision.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +13,13 @@
 
 namespace postlens {
 
-/// A shutter interval, in seconds. The `time` of a ray is 0 at the beginning of the interval and 1 at its
-/// end.
+/// A shutter interval, in seconds. The `time` of a ray is 0 at its beginning and 1 at its end.
 struct TimeSpan {
     double open_s = 0, close_s = 0;
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies the primitive that a ray hits. It is also stored with a ray that starts on a surface, so that
-/// the ray does not hit this surface at its origin.
+/// Identifies the primitive that a ray hits, or from which it starts and which it must not hit at its origin.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -30,8 +27,8 @@ struct HitKey {
     [[nodiscard]] bool valid() const { return geometry != none; }
 };
 
-/// A batch of rays, stored as a structure of arrays. The 16 rays of a group are traced together and should be
-/// coherent.
+/// A batch of rays, stored as a structure of arrays.
+/// The 16 rays of a group are traced together and should be coherent.
 class RayBatch {
   public:
     static constexpr int group = 16;
@@ -67,8 +64,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All seven numbers are converted before the first is stored. Otherwise the compiler would reload the
-        // data pointers of the arrays after each store.
+        // All numbers are converted before the first is stored. Otherwise the compiler reloads the array
+        // pointers.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -101,12 +98,11 @@ struct SurfacePoint {
 
 class RayScene {
   public:
-    /// Builds the scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) if the user
-    /// interrupts the build.
+    /// Builds the scene at one instant. Keeps a reference to `scene`.
+    /// Throws Error(interrupted) if the user interrupts the build.
     RayScene(const Scene& scene, double time_s);
-    /// Builds the scene for a shutter interval, in which every ray has its own instant. Analytic shapes
-    /// follow their exact transforms. Meshes move in linear steps, and `accuracy` determines the number of
-    /// steps.
+    /// Builds the scene for a shutter interval, in which every ray has its own instant.
+    /// Analytic shapes move exactly. Meshes move in linear steps, whose number `accuracy` determines.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -116,37 +112,35 @@ class RayScene {
 
     /// Finds the nearest hit of every ray. `coherent` states that the rays of each group are almost parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Computes the transmittance along the segment of each ray. Opaque surfaces block light. Transmitting
-    /// surfaces multiply light by their colour at each crossing. Shadow rays are not refracted [whitted1980].
+    /// Computes the transmittance along the segment of each ray. A transmitting surface multiplies light by
+    /// its colour at each crossing. Rays are not refracted [whitted1980].
     void occlude(RayBatch& rays) const;
-    /// Computes the hit of the ray o + t d, |d| = 1, in double precision. `t` is the distance that
-    /// `intersect` has found. `time` is the time of the ray, 0 to 1.
+    /// Computes the hit of the ray o + t d, |d| = 1, in double precision.
+    /// `t` is the distance from `intersect`, and `time` is the time of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Computes only the object, the texture position and the distance of the hit. This takes less time than
-    /// `surface`.
+    /// Computes only the object, the texture position and the distance of the hit. Faster than `surface`.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
     /// Returns the object that was hit, as an index into Scene::objects.
     [[nodiscard]] std::uint32_t object(const HitKey& key) const;
-    /// Returns the derivative of the outward unit normal at the hit, 1/m: d(normal) = shape_operator *
-    /// d(position). Only for objects that do not move.
+    /// Returns the derivative of the outward unit normal, 1/m: d(normal) = shape_operator * d(position).
+    /// Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`. It is 64 times
-    /// the rounding error of single precision at `p`, and far smaller than any object.
+    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`.
+    /// It is 64 times the rounding error of single precision at `p`.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// Returns the instant of the scene, in seconds. For a shutter interval, this is its beginning.
+    /// Returns the instant of the scene, or the beginning of its shutter interval, in seconds.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// Returns the largest distance, px, between the linear steps of moving meshes and their true motion. It
-    /// exceeds the tolerance if even the greatest number of steps is not enough.
+    /// Returns the largest distance, px, between the linear steps of moving meshes and their true motion.
+    /// It may exceed the tolerance, because the number of steps is limited.
     [[nodiscard]] double motion_error_px() const;
-    /// Returns the handle of the Embree scene (RTCScene). Benchmarks use it to compare with a plain loop over
-    /// rays.
+    /// Returns the Embree scene (RTCScene), for benchmarks.
     [[nodiscard]] void* native_handle() const;
 
   private:

@@ -68,7 +68,7 @@ void RayScene::Impl::attach(RTCGeometry geometry, const Entry& entry, std::uint3
 
 void RayScene::Impl::commit(RTCScene s) const {
     rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-    // Without this flag, Embree does not call the filter function that the context of a query contains.
+    // Without this flag, Embree does not call the filter function of a query's context.
     rtcSetSceneFlags(s, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneProgressMonitorFunction(
         s, [](void* job, double) { return !static_cast<const Job*>(job)->cancelled(); }, &Job::current());
@@ -151,8 +151,8 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// Adds one instance for each interval between two keyframes. A single instance with equal time steps would
-// smooth the kink that the motion may have at a keyframe.
+// Adds one instance for each interval between two keyframes.
+// A single instance with equal time steps would smooth the kinks of the motion at keyframes.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;
@@ -190,8 +190,7 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // With 32 time steps, the bounding boxes are tight around a moving shape. More steps would only enlarge
-    // Embree's hierarchy.
+    // 32 time steps give tight bounding boxes. More would only enlarge Embree's hierarchy.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {
@@ -257,8 +256,8 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
             continue;
         }
         const auto& mesh = std::get<std::shared_ptr<const Mesh>>(object.shape);
-        // If a mesh has some hundred triangles or more, its instances share it to save memory. Smaller meshes
-        // are copied into one common structure, which rays traverse faster.
+        // Instances share a mesh of some hundred triangles or more, to save memory.
+        // Smaller meshes are copied into one common structure, which rays traverse faster.
         constexpr std::size_t smallest_shared = 256;
         if (uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared) {
             add_instance({i, shared_mesh(mesh, i), {world_from_object}, 0, 0}, 0, 1);

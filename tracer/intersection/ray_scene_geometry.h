@@ -1,5 +1,4 @@
-// Data for Embree's callbacks. These are the sets of analytic shapes and the context of a batch of rays. Only
-// ray_scene*.cpp and *_packets.cpp include this header.
+// Data for Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays.
 #pragma once
 
 #include <array>
@@ -15,9 +14,8 @@
 
 namespace postlens {
 
-/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point, so the
-/// transmittances of all surfaces on a ray are multiplied by adding integers. The sum does not depend on the
-/// order in which Embree reports the surfaces.
+/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point.
+/// Transmittances are then multiplied by adding integers, in any order with the same result.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -32,8 +30,7 @@ struct Lifetime {
     float begin = 0, end = std::numeric_limits<float>::infinity();
 };
 
-/// Context of a ray query. `base` must be the first member, because Embree passes its address to the
-/// callbacks.
+/// Context of a ray query. `base` must be the first member: Embree passes its address to the callbacks.
 struct RayContext {
     RTCIntersectContext base{};
     const HitKey* sources = nullptr;        ///< per ray id; null if no ray starts on a surface
@@ -45,8 +42,7 @@ struct RayContext {
         nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// Objects that remain spheres when they are transformed to world space. They are stored as a structure of
-/// arrays, for packets of rays.
+/// Objects that are spheres in world space, as a structure of arrays for packets of rays.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -63,15 +59,15 @@ struct SphereSet {
     }
 };
 
-/// Analytic shapes that do not move and are not in SphereSet, each with the affine map to its local frame.
+/// Analytic shapes that do not move and are not in SphereSet.
 struct AnalyticSet {
     struct Item {
         AnalyticShape shape;
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
-        // local_from_world for float rays: local = linear * (p - pivot) + shift. Subtracting the pivot first
-        // preserves precision far from the origin.
+        // local_from_world for float rays: local = linear * (p - pivot) + shift.
+        // Subtracting the pivot first preserves precision far from the origin.
         glm::mat3 linear{1};
         glm::vec3 pivot{0}, shift{0};
     };
@@ -79,8 +75,7 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Analytic shapes that move. To intersect one, the ray is transformed in double precision into the space in
-/// which the shape is at rest.
+/// Analytic shapes that move. A ray is transformed into the space in which the shape is at rest.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -107,8 +102,7 @@ struct MovingSet {
     }
 };
 
-/// These functions create Embree user geometries with the callbacks that intersect the shapes of a set. Each
-/// set must outlive its geometry.
+/// Embree geometries with the callbacks that intersect the shapes of a set, which must outlive its geometry.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
@@ -118,7 +112,7 @@ struct MovingSet {
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
-/// Records that a shadow ray crosses an object `crossed` times. Returns true if the object blocks the ray.
+/// Counts `crossed` crossings of an object by a shadow ray. Returns true if the object blocks the ray.
 [[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
                                       int crossed) {
     const ObjectShadow& s = context.shadows[object];

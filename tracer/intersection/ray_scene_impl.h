@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-// A mesh as it is passed to Embree. RayScene::surface computes hits from this copy.
+// A mesh as it is passed to Embree, and from which RayScene::surface computes hits.
 struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
     std::vector<glm::vec3> positions;  // in world space if `baked`, else in object space
@@ -23,8 +23,7 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space. `gradient1` and `gradient2` are the gradients of the barycentric coordinates of
-// its second and third vertex.
+// A triangle in world space. `gradient1` and `gradient2` are the gradients of its barycentric coordinates.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
@@ -34,15 +33,14 @@ struct TriangleFrame {
     glm::dmat4 object_from_world;  // at the ray's time, if `surface` needs it (Impl::triangle)
 };
 
-// An instance of a mesh that is shared or moves. A moving mesh has several instances. Each of them exists
-// from its `begin` until the next one begins.
+// An instance of a mesh that is shared or moves. A moving mesh has several instances, one after the other.
 struct InstanceGeometry {
     std::uint32_t object = 0;
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the transform at the time of a ray. It is interpolated as in Embree, so that the computed hit
-    // lies on the surface that Embree intersects.
+    // Returns the transform at the time of a ray, interpolated as in Embree so that both hit the same
+    // surface.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 

@@ -13,8 +13,8 @@ struct SphereF {
     float x, y, z, r2;
 };
 
-/// Computes both crossings of N rays with a sphere. Distances are measured from the point of each ray nearest
-/// to the centre, so that no large terms cancel. If a ray misses the sphere, near > far.
+/// Computes both crossings of N rays with a sphere. If a ray misses the sphere, near > far.
+/// Distances are measured from the ray's nearest point to the centre, to avoid cancellation.
 template <int N>
 [[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
                                                  float* far) {
@@ -42,7 +42,7 @@ template <int N>
     alignas(64) float near[N], far[N], t[N];
     sphere_packet<N>(rays, {c.x, c.y, c.z, r * r}, near, far);
     for (int i = 0; i < N; ++i) {
-        // If a ray starts inside the sphere, its hit is the far crossing.
+        // A ray that starts inside the sphere hits the far crossing.
         const float first = near[i] > rays.tnear[i] ? near[i] : far[i];
         const bool hit =
             first > rays.tnear[i] && first <= rays.tfar[i] && near[i] <= far[i] && args->valid[i] != 0;
@@ -53,8 +53,7 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // The ray starts on this sphere. The crossing nearest to t = 0 is the origin of the ray, so only
-            // the other crossing is a hit.
+            // The ray starts on this sphere. The crossing nearest to t = 0 is its origin and not a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
@@ -106,8 +105,7 @@ template <int N>
     }
 }
 
-// The templates above are inlined into the following functions, so they are compiled for each instruction
-// set.
+// The templates are inlined into these functions and thus compiled for each instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }
@@ -158,8 +156,8 @@ void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
 void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
-    // The box is slightly larger than the sphere. Rounding may place a hit slightly outside the sphere, and
-    // the box must contain this hit.
+    // The box is slightly larger than the sphere, because rounding may place a hit slightly outside the
+    // sphere.
     const float grown = set.radius[args->primID] * 1.000001F +
                         4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};

@@ -16,8 +16,7 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// The rays at the four corners of a quadtree cell, after the same bounces, combined into one beam with a
-/// mean origin and a mean direction.
+/// The rays at the four corners of a quadtree cell, combined into one beam with a mean origin and direction.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -37,8 +36,7 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Returns whether some ray of the beam may touch a sphere before it hits a surface. If the result is
-    /// false, no ray of the beam does.
+    /// Returns false if certainly no ray of the beam touches the sphere before it hits a surface.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);
@@ -46,8 +44,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the vector, m, from `point` to the nearest point of the k-th ray, projected onto a plane
-    /// perpendicular to the beam.
+    /// Returns the vector, m, from `point` to the nearest point of the k-th ray.
+    /// It is projected onto a plane perpendicular to the beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -60,8 +58,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images of bright objects in mirrors and glass are searched for only above this radiance (white is 1). Its
-/// sRGB value is 1/8, a dark grey.
+/// Smallest radiance of a searched image (white is 1). Its sRGB value is 1/8, a dark grey.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -82,8 +79,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Assumes that every mirror or glass object shows two images of each bright object, because glass both
-    // reflects and transmits light.
+    // Assumes that every mirror or glass object shows two images of each bright object.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -122,8 +118,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // `position` is a point of the cell, in cell widths from its middle. To first order, the ray at this
-        // point misses the object's centre by middle + by_cell * position, m.
+        // `position` is a point of the cell, in cell widths from its middle.
+        // To first order, its ray misses the object's centre by middle + by_cell * position, m.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -133,13 +129,13 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // In cell widths, the cell extends from -0.5 to 0.5. Curved mirrors make the linear model inexact, so
-        // an image slightly outside the cell is also accepted.
+        // The cell extends from -0.5 to 0.5 cell widths. The linear model is inexact, so 0.55 is also
+        // accepted.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The matrix radius * cell_by maps the unit circle to the image of the sphere, an ellipse. The
-        // shorter semi-axis `half`, in cell widths, is the smaller singular value of this matrix.
+        // The image of the sphere is an ellipse, to which radius * cell_by maps the unit circle.
+        // The smaller singular value of this matrix is the ellipse's shorter semi-axis, in cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

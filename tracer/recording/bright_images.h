@@ -1,6 +1,5 @@
-// Finds images of small bright objects in mirrors and glass, such as a light source seen through a glass
-// ball. Such an image may lie between the corners of pixels, where no ray hits it. Quadtree cells that may
-// contain such an image are therefore subdivided until some corner hits it.
+// Finds small bright objects seen in mirrors and glass, such as a lamp through a glass ball.
+// Rays at pixel corners may miss such an image, so quadtree cells that may contain it are subdivided.
 #pragma once
 
 #include <array>
@@ -21,26 +20,25 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white. `wanted` determines whether a quadtree cell
-/// may contain an image of such an object in a mirror or in glass.
+/// The compact objects of a scene that are brighter than white, whose images in mirrors or glass are
+/// searched.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of cells into which the image of one object is divided, along its outline and
-    /// inside it.
+    /// Approximate number of cells into which the image of one object is divided.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Collects the bright objects of the scene at an instant. If their images in all mirrors and glass
-    /// objects may need more than `most_cells` cells, only the brightest objects are kept.
+    /// Collects the bright objects of the scene at an instant.
+    /// If their images may need more than `most_cells` cells, only the brightest objects are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes that the bright images in a cell of width `size_px` need, so that a corner of
-    /// some cell lies on each image. `at` holds the reflected or refracted rays at the corners of the cell
-    /// (upper left, upper right, lower left, lower right), all after the same bounces.
+    /// Returns the cell sizes with which no bright image in a cell of width `size_px` is missed.
+    /// `at` holds the reflected or refracted rays at the cell's corners, all after the same bounces.
+    /// Their order is upper left, upper right, lower left, lower right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -48,8 +46,8 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a hierarchy of bounding spheres, stored in depth-first order. It bounds the objects [first,
-    /// last) of `spheres_`.
+    /// A node of a hierarchy of bounding spheres, stored depth first. It bounds objects [first, last) of
+    /// `spheres_`.
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

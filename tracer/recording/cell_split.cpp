@@ -39,8 +39,7 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    // splits() divides every larger cell that an outline crosses, so only cells of the smallest size need
-    // this test.
+    // splits() divides every larger cell that an outline crosses.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -143,8 +142,8 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
     for (int channel = 0; channel < 3; ++channel) {
-        // The radiance of a sample is modelled as plus + times * texel. `texel` is the texture's colour at
-        // the sample, `times` the largest ratio of the node's radiance to `texel`, and `plus` the smallest
+        // The radiance of a sample is modelled as plus + times * texel, where `texel` is the texture's
+        // colour. `times` is the largest ratio of the node's radiance to `texel`, and `plus` the smallest
         // remainder.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};

@@ -11,8 +11,7 @@
 
 namespace postlens {
 
-/// Position on the grid of cell corners, in units of 2^-levels px. It is measured from the upper left corner
-/// of the window.
+/// Position on the grid of cell corners, in units of 2^-levels px from the window's upper left corner.
 using CornerKey = std::uint64_t;  // y << 32 | x
 
 struct CornerGrid {
@@ -42,7 +41,7 @@ struct CornerGrid {
     }
 };
 
-/// A point sample at a corner: the properties that determine subdivision, and where its records are stored.
+/// A point sample at a corner: the properties that determine subdivision, and the range of its records.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
@@ -61,8 +60,8 @@ struct CornerCell {
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
 };
 
-/// Returns the radiance of a record without its noisy part. Subdivision compares these radiances, because the
-/// contrast of noise would divide every cell.
+/// Returns the radiance of a record without its noisy part.
+/// Subdivision compares these radiances, because the contrast of noise would divide every cell.
 [[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
     const Record& r = chunk.records[record];
     const glm::vec3 all(r.r, r.g, r.b);

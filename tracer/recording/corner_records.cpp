@@ -22,8 +22,7 @@ void CornerRecords::emit(const CornerGrid& grid, const std::vector<CornerSample>
     };
     const std::size_t pixels =
         static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(grid.columns);
-    // A counting sort orders the samples by pixel. The samples of each pixel are then sorted by (y, x). A
-    // sample file requires this order.
+    // A sample file is sorted by pixel, and within a pixel by (y, x). A counting sort finds the pixels.
     std::vector<std::uint32_t>& first = first_;
     first.assign(pixels + 1, 0);
     out.offsets.assign(pixels + 1, 0);

@@ -1,4 +1,4 @@
-// Sorts the records (shaded surface hits) of a band of pixel rows into the order that a sample file requires.
+// Sorts the records (shaded surface hits) of a band of pixel rows into the order of a sample file.
 #pragma once
 
 #include <cstdint>

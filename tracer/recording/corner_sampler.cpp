@@ -17,15 +17,14 @@
 namespace postlens {
 namespace {
 
-// A band is a group of pixel rows whose records are in memory at the same time. It has at most `band_rows`
-// rows. Each thread traces squares of `tile` x `tile` px, and two rows of squares are enough work for all
-// threads.
+// A band is a group of pixel rows whose records are in memory at the same time.
+// Each thread traces squares of `tile` x `tile` px. Two rows of squares are enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster, so
-// records do not depend on the row at which the window begins.
+// Returns the row at which the band that contains row y ends.
+// Bands end at fixed rows, so records do not depend on the first row of the window.
 int end_of_band(int y) {
     return (floor_div(y, band_rows) + 1) * band_rows;
 }
@@ -58,9 +57,11 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel and appends their samples in order. `fill(i, keys)` writes the
-    // `sizes[i]` points of batch i. `traced(index, sample)` is called for every new sample. `around(key)`
-    // returns earlier samples near a point. All three functions must be thread-safe.
+    // Traces batches of points in parallel and appends their samples in order. All functions must be
+    // thread-safe.
+    // - `fill(i, keys)` writes the `sizes[i]` points of batch i.
+    // - `traced(index, sample)` is called for every new sample.
+    // - `around(key)` returns earlier samples near a point.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
@@ -95,7 +96,6 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
-    // Traces points and appends their samples in order.
     void trace(const std::vector<CornerKey>& points,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
         std::vector<std::uint32_t> sizes;
@@ -134,8 +134,7 @@ class BandSampler {
         return s;
     }
 
-    // Traces the pixel corners of a band of pixel rows. Unless it is the first band, its uppermost row of
-    // corners has already been traced with the band above.
+    // Traces the pixel corners of a band. The band above has already traced the uppermost row of corners.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -174,8 +173,8 @@ class BandSampler {
         });
     }
 
-    // Makes sample i, which was traced with the previous band, available in this band: in corners_ if it lies
-    // at a pixel corner, otherwise in carried_over_.
+    // Makes sample i of the previous band available in this band.
+    // It goes to corners_ if it lies at a pixel corner, otherwise to carried_over_.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -215,10 +214,10 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. A small object or a narrow shadow may lie between the corners of a
-    // pixel, most often near an edge. The centres of a divided pixel's left and right neighbours are
-    // therefore traced. A neighbour whose centre differs from its corners is divided too, and so on along the
-    // row.
+    // Returns the pixels that are divided.
+    // A small object or shadow may lie between a pixel's corners, most often near an edge.
+    // The centres of the pixels to the left and right of a divided pixel are therefore traced.
+    // Such a pixel is divided too if its centre differs from its corners, and so on along the row.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -256,8 +255,7 @@ class BandSampler {
         return cells;
     }
 
-    // Adds to `divided` the cells whose centre differs from their corners. The samples at the centres are
-    // then discarded.
+    // Adds the cells whose centre differs from their corners to `divided`. Discards the central samples.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -281,11 +279,11 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell. A midpoint that neighbouring cells or
-    // neighbouring bands of rows share is traced once.
+    // Traces the centre and the midpoints of the sides of every cell.
+    // A midpoint that neighbouring cells or bands share is traced once.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // There is one list of points per row of pixels, and one for the lower edge of the band. A point on
-        // the edge between two rows belongs to the lower row.
+        // One list of points per row of pixels, and one for the lower edge of the band.
+        // A point on the edge between two rows belongs to the lower row.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -314,8 +312,7 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the sample at the centre of a cell in this row of pixels, or at the midpoint of one of its
-    // sides.
+    // Returns the sample at the centre of a cell in this row, or at the midpoint of one of its sides.
     [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -327,9 +324,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
-    // of the band of rows belongs to the pixel above it, because the corners of the pixel below are not
-    // traced yet.
+    // Returns the samples at the four corners of the pixel that contains a point.
+    // A point on the lower edge of the band belongs to the pixel above, whose corners are already traced.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -365,8 +361,7 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of this band, because the next band shares them. They lie at pixel
-    // corners and at midpoints of the sides of cells.
+    // Keeps the samples on the lower edge of this band, because the next band shares them.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();
@@ -392,8 +387,7 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // The next band reuses the buffers of records, because releasing and allocating their memory took
-        // longer than tracing.
+        // Releasing and allocating the buffers of records took longer than tracing, so they are reused.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -408,7 +402,7 @@ class BandSampler {
     std::vector<std::uint32_t> corners_;
     std::unordered_map<CornerKey, std::uint32_t>
         carried_over_;  ///< samples of the band above that are not pixel corners
-    // The points that the last call of trace_missing has traced, sorted within each row of pixels.
+    // The points that the last call of trace_missing traced, sorted within each row of pixels.
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]

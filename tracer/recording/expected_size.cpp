@@ -30,21 +30,21 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // The window is divided into equal parts. In the middle of each part, a stripe of rows is traced.
+        // A stripe of rows is traced in the middle of each of `count` equal parts of the window.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The row of samples on the lower edge of the stripe is not counted. The pixels below it are not
-        // subdivided, so it needs fewer bytes than other rows.
+        // The samples on the stripe's lower edge do not count.
+        // The pixels below them are not subdivided, so these samples need fewer bytes than others.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // The file also contains a flat image. Each row of this image is made from the samples at the
-                // corners above and below it. The last row of a band is not measured, because the corners
-                // below it may belong to the next band. The mean of the other rows stands for it.
+                // The file also contains a flat image, made from the samples at the corners above and below
+                // each row. The last row of a band is not measured, because the corners below it may belong
+                // to the next band.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -8,13 +8,13 @@
 
 namespace postlens {
 
-/// Returns how many of a window's `rows` rows the preview pass traces: 2 of every 96, at least 8 and at most
-/// 64, but never more than `rows`.
+/// Returns how many of a window's `rows` rows the preview pass traces.
+/// These are 2 of every 96, at least 8 and at most 64, but never more than `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
-/// Returns the predicted size of a sample file, in bytes, without its header. Pairs of rows, evenly spaced in
-/// the window, are traced and compressed as in the file. Their size is extrapolated to all rows and to
-/// `instants` recorded instants.
+/// Returns the predicted size of a sample file, in bytes, without its header.
+/// Evenly spaced pairs of rows are traced and compressed as in the file.
+/// Their size is extrapolated to all rows and to `instants` recorded instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

@@ -21,19 +21,17 @@ namespace {
 
 using glm::dvec3;
 
-// The shutter interval is divided into this many equal steps, and also at keyframes. The rotation within one
-// step is assumed to be less than 180 degrees.
+// Number of equal steps of the shutter interval. Rotations by 180 degrees or more in one step are not
+// detected.
 constexpr int steps = 512;
 
-// An object whose keyframes scale it needs a recorded instant at which each scale factor is at least this
-// fraction of its largest value in the shutter interval.
+// If keyframes scale an object, a recorded instant must show it at this fraction of its largest scale.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-// Position and viewing direction of the camera at an instant.
 struct View {
     double time_s = 0;
     dvec3 position{0}, backwards{0, 0, 1};
@@ -44,8 +42,7 @@ struct View {
     }
 };
 
-// Returns `views` together with the camera's views at the keyframes `keys`, sorted by time. Ignores keyframes
-// outside the time span of `views`.
+// Returns `views` and the camera's views at the keyframes `keys` between them, sorted by time.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -61,8 +58,7 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns the instants at which viewing directions are computed, sorted by time. These are count + 1 evenly
-// spaced instants of the shutter interval, and the keyframes of `motions` within it.
+// Returns `count` + 1 evenly spaced instants and the keyframes of `motions` between them, sorted.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -99,9 +95,8 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether a moving sphere may be in the frame: part of it is in front of the camera and inside the
-// four planes through the edges of the frame. `centre` and `radius_m` describe the sphere before the motion
-// `pose`.
+// Returns whether part of a moving sphere is in front of the camera and inside the four planes of the frame.
+// `centre` and `radius_m` describe the sphere before the motion `pose`.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
@@ -117,7 +112,7 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether a part of a box is in front of the camera. `box` is the box before the motion `pose`.
+// Returns whether part of a box is in front of the camera. `box` is its state before the motion `pose`.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,
@@ -178,7 +173,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         cameras.emplace_back(camera, instants_s.back(), overrides);
     }
     std::vector<TimeSpan> visits;
-    // Adds every span of successive instants i for which `holds(i)` is true.
+    // Adds every time span in which `holds(i)` is true for all instants i.
     const auto add_spans = [&](const auto& holds) {
         bool before = false;
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -197,8 +192,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale factors of the object along its own axes at each instant, given by its keyframes. They are 0
-        // while the object is out of view.
+        // Scale factors of the object along its own axes at each instant. They are 0 while it is out of view.
         std::vector<dvec3> sizes;
         std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
@@ -215,7 +209,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // The camera sees other surfaces from inside an object than from outside.
+        // From inside an object, the camera sees other surfaces than from outside.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -224,16 +218,14 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns whether one of `keys` evenly spaced keys (recorded instants) lies within `visit`, a time span
-    // in which an object is in view.
+    // Returns whether one of `keys` evenly spaced keys (recorded instants) lies within the time span `visit`.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Ignores time spans that are too short to contain a key (recorded instant) for any number of keys up to
-    // `most`.
+    // Ignores time spans that contain no key for any number of keys up to `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;
@@ -270,8 +262,7 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Relative tolerance for the rounding error of the angle, which is a sum over many steps. With it, an
-    // angle of exactly 60 degrees needs no additional key.
+    // Relative tolerance for the rounding error of the angle, which is a sum over many steps.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

@@ -1,5 +1,4 @@
-// Chooses the instants of a shutter interval at which a scene is recorded. They must be close enough to each
-// other to record the surfaces that become visible when objects turn.
+// Chooses the instants of a shutter interval at which a scene is recorded.
 #pragma once
 
 #include <string>
@@ -12,19 +11,18 @@
 
 namespace postlens {
 
-/// Returns the greatest angle, degrees, by which the camera moves around an object while the shutter is open.
-/// It shows how much of the hidden side of the object turns into view. The angle is the total rotation of the
-/// direction from the object's centre to the camera, in the frame of the object. It is 0 if the camera only
-/// pans or rolls about its optical axis. Ignores infinite planes, and any object whose bounding box contains
-/// the camera.
+/// Returns the greatest angle, degrees, by which the camera moves around an object during the shutter
+/// interval. It is the total rotation of the direction from the object's centre to the camera, in the
+/// object's frame. It is 0 if the camera only pans or rolls about its optical axis. Ignores infinite planes,
+/// and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, by which the optical axis of a perspective camera turns while the shutter is
-/// open.
+/// Returns the angle, degrees, by which the optical axis of a perspective camera turns in the shutter
+/// interval.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. A panning camera needs
-/// one key (recorded instant) per such angle to record everything that it shows.
+/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
+/// A panning camera needs one key (recorded instant) per such angle to record all that it shows.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -40,27 +38,28 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// every moving object. A key or `recorded_s` must lie in each time span in which an object is in view: its
-/// bounding sphere reaches into the frame, even if other objects hide it. If keyframes scale the object, it
-/// must also have at least half of its largest size. Time spans too short for up to 64 keys are ignored.
+/// Returns the smallest number, `at_least` to 64, of evenly spaced keys (recorded instants) that show all
+/// objects. A key or `recorded_s` must lie in each time span in which the bounding sphere of an object is in
+/// the frame. If keyframes scale the object, it must also have at least half of its largest size. Time spans
+/// that are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys (recorded instants) that the scene needs. Four things require keys: turning
-/// objects (one key per `degrees_per_key`), a panning camera, objects that are in view, large or around the
-/// camera only for a short time, and changing light.
+/// Returns the number of keys (recorded instants) that the scene needs. These require keys:
+/// - turning objects: one key per `degrees_per_key`
+/// - a panning camera
+/// - objects that are in view, large or around the camera only for a short time
+/// - changing light
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
 
-/// Returns the number of keys (recorded instants) that are needed if an object or the camera turns by
-/// `sweep_degrees`. It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
+/// Returns the number of keys (recorded instants) for an object or camera that turns by `sweep_degrees`.
+/// It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
-/// Returns `count` evenly spaced instants of the shutter interval, in ascending order, including both ends.
-/// Omits an instant that equals `frame_s` except for rounding, because the frame's own instant is recorded
-/// anyway. Empty if `count` is 1.
+/// Returns `count` evenly spaced instants of the shutter interval, ascending, including both ends.
+/// Omits an instant that equals the frame's own, `frame_s`, which is always recorded. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

@@ -18,16 +18,14 @@ namespace {
 
 using glm::dvec3;
 
-// The shutter interval is divided into this many steps. The light at each point is measured at the ends of
-// the steps.
+// Number of steps of the shutter interval. The light at each point is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
-// Smallest number of steps between two keys (recorded instants). A value of 1 would give 65 keys, but a file
-// can have at most 64 (SampleHeader::most_keys).
+// Smallest number of steps between two keys (recorded instants).
+// One step would give 65 keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// A grid of eye rays finds the surface points at which light is measured. This is the number of rays along
-// its longer side.
+// Number of rays along the longer side of the grid that finds the surface points to measure.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -57,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images if only these keys (instants) are recorded: `recorded_s`, and one
-    /// instant every `between` steps. If `between` is 0, `recorded_s` is the only key.
+    /// Returns the predicted PSNR of images with these keys: `recorded_s`, and an instant every `between`
+    /// steps. If `between` is 0, `recorded_s` is the only key.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -115,8 +113,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Returns the surface points that a grid of eye rays hits. The rays' instants cover the shutter interval
-    // and differ greatly between neighbours, so surfaces that are in view only part of the time are hit too.
+    // Returns the surface points that a grid of eye rays hits.
+    // Neighbouring rays have very different instants, so surfaces that are in view only briefly are hit too.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -177,7 +175,7 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // If the ray hits the object at another distance, another part of the object hides the point.
+                // At another distance, the ray has hit another part of the object, which hides the point.
                 // The relative tolerance allows for the rounding of single-precision rays.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
@@ -218,8 +216,8 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // The search starts with the most keys and stops at the first number that misses the target. With few
-    // keys, errors may cancel by chance: two keys give the right mean if the light is switched on halfway.
+    // The search starts with the most keys and stops at the first number that misses the target.
+    // With few keys, errors may cancel: two keys give the right mean of a light switched on halfway.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

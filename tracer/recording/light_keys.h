@@ -1,5 +1,4 @@
-// Determines how many recorded instants (keys) are needed to reproduce light that changes while the shutter
-// is open. Shading, highlights, shadows, reflections and refractions may change.
+// Determines how many recorded instants (keys) reproduce light that changes during the shutter interval.
 #pragma once
 
 #include "scene/scene.h"
@@ -17,18 +16,17 @@ struct LightKeys {
     double psnr_db = 0;  ///< predicted PSNR with these keys; infinite if no light changes
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants) with which, and with every larger
-/// number, the light on the surfaces reaches a PSNR of `target_db`. The number is 1, 2, 3, 5, 9, 17 or 33. If
-/// none of them suffices, it is 33. The instant `recorded_s` is always recorded, and it is the only one if
-/// the number is 1.
+/// Returns the smallest number of evenly spaced keys with which the light reaches a PSNR of `target_db`.
+/// Every larger number must reach it too. The number is 1, 2, 3, 5, 9, 17 or 33, and 33 if none suffices.
+/// The instant `recorded_s` is always recorded. With 1, it is the only one.
 ///
-/// A coarse grid of rays selects points on surfaces, which are followed through the shutter interval. At 65
-/// instants, rays from the camera find the radiance of the points in view. An image is assumed to interpolate
-/// the radiance linearly between the two nearest keys. The error of a point is the error of its mean over
-/// time, as an sRGB value. The PSNR is computed over all points.
+/// A coarse grid of rays selects points on surfaces, which are followed through the shutter interval.
+/// At 65 instants, rays from the camera find the radiance of the points in view.
+/// An image interpolates the radiance linearly between the two nearest keys.
+/// A point's error is the error of its mean over time, as an sRGB value. The PSNR is over all points.
 ///
-/// One point represents each area light, and one direction represents each lobe. Shadows and reflections are
-/// therefore sharper here than in images.
+/// One point represents each area light, and one direction each lobe.
+/// Shadows and reflections are therefore sharper here than in images.
 [[nodiscard]] LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                    double recorded_s, const TimeSpan& shutter, double target_db,
                                    const DistributedSettings& tracing);

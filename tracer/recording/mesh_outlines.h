@@ -1,5 +1,5 @@
-// Finds the outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between the
-// corners of a quadtree cell. An outline that crosses the cell reveals it.
+// Finds the outlines of meshes on the film. An outline that crosses a quadtree cell reveals a thin part
+// of a mesh, such as the tip of a leaf, that lies between the cell's corners.
 #pragma once
 
 #include <array>
@@ -13,17 +13,16 @@
 
 namespace postlens {
 
-/// The outlines of meshes on the film. They consist of edges with a single triangle, and of edges between a
-/// triangle that faces the camera and one that faces away.
+/// The outlines of meshes on the film: edges of only one triangle, and edges between
+/// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Limit of the average number of outline edges per pixel of the raster. If there are more, the farthest
-    /// edges are omitted.
+    /// Limit of the average number of outline edges per pixel. The farthest of more edges are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
-    /// Finds the outlines of the scene's meshes at an instant. Only raster positions in [x_begin, x_end] x
-    /// [y_begin, y_end], px, are searched. `parts` must belong to `scene`.
+    /// Finds the outlines of the scene's meshes at an instant. `parts` must belong to `scene`.
+    /// Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 
@@ -34,8 +33,8 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns whether the outline of another part, in front of the part `shown`, crosses a square. (x, y) is
-    /// the upper left corner of the square and `size` its width, px. The square must lie within one pixel.
+    /// Returns whether the outline of another part crosses a square in front of the part `shown`.
+    /// (x, y) is the square's upper left corner and `size` its width, px. It must lie within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
@@ -53,8 +52,8 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns the inverse depth or, for an orthographic camera, minus the depth. Both increase towards the
-    /// camera. Along an edge and on a plane, they are linear functions of the raster position.
+    /// Returns the inverse depth or, for an orthographic camera, minus the depth.
+    /// On a plane, both are linear functions of the raster position. They increase towards the camera.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

@@ -1,4 +1,4 @@
-// Computes the overscan, the distance around the frame from which light blurs or moves into the frame.
+// Computes the overscan: the margin around the frame from which light blurs or moves into the frame.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// Returns the overscan, px, found by a coarse trace around the frame with one sample per 8 px. The overscan
-/// includes a sample if its circle of confusion reaches the frame. It also includes a sample if one of its
-/// surfaces, visible or hidden, moves into the frame at an instant of `motion`. The result is at most half of
-/// the frame's longer side, and at most 4096 px. `motion` may be null.
+/// Returns the overscan, px, found by a coarse trace around the frame with one sample per 8 px.
+/// It includes each sample whose circle of confusion reaches the frame, and each whose visible or hidden
+/// surfaces move into the frame at an instant of `motion`, which may be null.
+/// The result is at most half of the frame's longer side, and at most 4096 px.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

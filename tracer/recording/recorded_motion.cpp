@@ -8,8 +8,7 @@
 namespace postlens {
 namespace {
 
-// Stores the bounding sphere of a box in `motion`, in m. The sphere is finite even if the box is infinite, as
-// for a plane.
+// Stores the bounding sphere of a box in `motion`, in m. It is finite even if the box is infinite.
 void bound(const Bounds& box, ObjectMotion& motion) {
     constexpr double farthest_m = 1e9;
     const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),

@@ -9,12 +9,11 @@
 
 namespace postlens {
 
-/// Returns the motion of the camera, the moving objects with their bounding spheres, and the lights that move
-/// or whose shadows may move. If several moving shapes have the same id, the motion of the first one is used.
+/// Returns the motion of the camera, of the moving objects with their bounding spheres, and of the lights.
+/// A light at rest is included if objects move. If moving shapes share an id, the first one's motion is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns, in ascending order, the ids that are shared by shapes with different keyframes. Such shapes move
-/// differently.
+/// Returns, ascending, the ids of shapes that have the same id but different keyframes.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -18,21 +18,19 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Number of pieces into which a long object is divided along its axis. The width and depth of each piece are
-// treated as constant.
+// Number of pieces into which a long object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// Largest number of times that the piece at the tip of a cone is halved. The remaining tip is then narrow
-// even if the cone is wide.
+// Largest number of times that the piece at the tip of a cone is halved. The remaining tip is narrow.
 constexpr int most_halves = 16;
-// Width of the smallest cells, px. A narrower object may lie between all cell corners.
+// Width of the smallest cells, px. Cell corners may miss a narrower object.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// The ellipsoid that approximates an object. It is given by its centre and three half axes.
+// The centre and the three half axes of an ellipsoid that approximates an object.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For a cone, half[0] is the axis, and `ends` are the factors of half[1] and half[2] at centre - half[0]
-    // and centre + half[0]. All other shapes have equal factors.
+    // For a cone, half[0] is the axis, along which half[1] and half[2] vary.
+    // `ends` are their factors at centre - half[0] and centre + half[0], equal for all other shapes.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -48,17 +46,16 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box. The columns of the rotation `turn` are the directions of its
-/// sides, and `sides` are its extents in these directions.
+/// Returns the centre and half axes of a box with extents `sides`. The columns of `turn` are its directions.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the axes of a box around all points. Two boxes are tried, and the one with the smaller surface is
-/// used. The first is parallel to the coordinate axes. The second suits flat and long objects of any
-/// direction: its first side is parallel to the line from the centre to the farthest point, and its second
-/// side points from this line to the point farthest from it.
+/// Returns the axes of a box around all points: the smaller of two boxes, by their surface.
+/// One is parallel to the coordinate axes. The other suits flat and long objects of any direction:
+/// its first side points from the centre to the farthest point, its second side from this line to
+/// the point farthest from it.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -109,8 +106,7 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Returns the ellipsoids that approximate the parts of a shape, in object space. The result is empty for a
-/// plane.
+/// Returns the ellipsoids that approximate the parts of a shape, in object space. Empty for a plane.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -165,10 +161,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate ones, h1, h2 and h3: its points are centre + a h1 + b
-// h2 + c h3 with a^2 + b^2 + c^2 <= 1. The first two project to the half axes of the ellipsoid's image, an
-// ellipse, the longer one first. The third is parallel to the line of sight. Returns the ratio of the longer
-// to the shorter axis of the ellipse, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by others, h1, h2 and h3, which need not be perpendicular. Its
+// points are centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1. The images of h1 and h2 are the half axes
+// of an ellipse, the longer one first. h3 is along the line of sight. Returns the ratio of the axes of this
+// ellipse, at least 1, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -183,7 +179,7 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (!(sight.depth_m > 0 && longest > 0)) return 0;
     const double angle = std::atan2(2 * xy, xx - yy) / 2;
     const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
-    // Returns the components along `direction` of the three projected half axes.
+    // Returns the components of the three projected half axes along `direction`.
     const auto weights = [&](const dvec2& direction) {
         return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
                      glm::dot(seen[2], direction));
@@ -203,8 +199,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece. `from` and
-/// `to` are the ends of its axis, and `half` are its half axes.
+/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece.
+/// `from` and `to` are the ends of its axis, and `half` are its half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -214,7 +210,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     }
     if (!tapers && glm::length(axes.half[0]) <= 4 * glm::length(axes.half[1])) {
         const double narrower = turn_to_sight(camera, axes);
-        // An object is not divided along an axis if its image is at most four times as long as wide.
+        // An object whose image is at most four times as long as wide is not divided.
         if (!(narrower > 4)) {
             take(axes.centre, axes.centre, axes.half);
             return;
@@ -229,8 +225,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // A piece is halved while one of its ends is more than twice as wide as the other. This happens near
-        // the tip of a cone.
+        // Near the tip of a cone, pieces are halved until no end is more than twice as wide as the other.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -308,8 +303,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // `across` is half the width of the ellipsoid's image, measured perpendicular to the longest projected
-    // half axis.
+    // Half the width of the ellipsoid's image, perpendicular to the longest projected half axis.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -336,18 +330,17 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
     // A compact bright object needs small cells along its outline, so that its area in the image is accurate.
-    // An elongated object has so many cells along its outline that their errors average out.
+    // An elongated object has many cells along its outline, whose errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. As a piece needs at least three cells, most_cells_per_pixel / 2 pieces
-    // per pixel need 1.5 times the allowed cells. keep_affordable() then removes a third or more of them.
+    // Limits the memory for pieces. At this number, they need 1.5 times the allowed cells or more,
+    // because a piece needs at least three cells. keep_affordable() then removes a third or more of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Estimates the number of cells of width find_px on and beside the piece, and of those of width
-    // outline_px along its outline.
+    // Cells of width find_px on and beside the piece, and of width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -425,8 +418,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // A piece extends up to `reach` from its axis, and the cell up to half of its diagonal, 0.7071 *
-        // size, from its centre. 0.7072 allows for rounding.
+        // A piece extends up to `reach` from its axis. The cell extends by half of its diagonal, 0.7071 *
+        // size. 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

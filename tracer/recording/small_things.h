@@ -1,6 +1,5 @@
-// Finds objects that are so narrow on the film that they may lie between pixel corners, such as hairs, wires
-// and distant light sources. Their positions are known from the scene, so cells near them are subdivided
-// until a corner must hit them.
+// Finds objects so narrow on the film that they may lie between pixel corners, such as hairs and wires.
+// The scene gives their positions. Cells near them are subdivided until a corner must hit them.
 #pragma once
 
 #include <algorithm>
@@ -24,49 +23,48 @@ class SmallThings {
   public:
     /// Width, px, up to which an object is narrow. A wider object cannot lie between the corners of a pixel.
     static constexpr double widest_px = 1.5;
-    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. At this
-    /// size, some corner of a cell always lies on the object.
+    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width.
+    /// At this size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
-    /// Largest size of a quadtree cell along the outline of a compact object brighter than white, as a
-    /// fraction of the object's width. With this fraction, the area of a disc has an error of 1.2 % (Kendall
-    /// 1948). The brightness of its circle of confusion is proportional to this area.
+    /// Largest size of a quadtree cell along a compact object brighter than white, as a fraction of its
+    /// width. The brightness of its circle of confusion is proportional to its area. With this fraction, the
+    /// area of a disc has an error of 1.2 % (Kendall 1948).
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Largest average number of cells per pixel of the raster. If the narrow objects need more, some objects
-    /// are omitted. Bright objects are kept first, then wide ones.
+    /// Largest average number of cells per pixel of the raster.
+    /// If narrow objects need more, bright ones are kept first, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
     SmallThings() = default;
-    /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
-    /// [y_begin, y_end], px. `parts` must belong to `scene`.
+    /// Finds the narrow objects of the scene at an instant. `parts` must belong to `scene`.
+    /// Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
     SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                 int x_begin, int x_end, int y_begin, int y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes. They show where a part of a mesh lies between all corners of a cell. The
-    /// arguments must be those of the constructor. The outlines need up to 160 bytes per pixel of the raster.
+    /// Finds the outlines of meshes, which may lie between all corners of a cell.
+    /// Needs up to 160 bytes per pixel. The arguments must be those of the constructor.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
-    /// Returns the number of levels of subdivision that the narrow objects need, at most `most_levels`. 0 if
-    /// there are none.
+    /// Returns the levels of subdivision that the narrow objects need: 0 without any, at most `most_levels`.
     [[nodiscard]] int levels() const { return levels_; }
     /// Returns the approximate number of cells that all narrow objects need.
     [[nodiscard]] double cells() const;
     /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Returns the number of narrow objects that are omitted, wholly or in part, because they are narrower
-    /// than the smallest cells or because there are too many.
+    /// Returns the number of narrow objects that are omitted, wholly or in part.
+    /// They are narrower than the smallest cells, or there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the cell sizes that narrow objects in a square need, so that a corner of some cell lies on
-    /// each object. (x, y) is the upper left corner of the square and `size` its width, px. Objects farther
-    /// away than `farthest_m` are ignored.
+    /// Returns the cell sizes with which no narrow object in a square is missed.
+    /// (x, y) is the square's upper left corner and `size` its width, px.
+    /// Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:

@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`. It uses a bijection of b-bit
-/// numbers, where 2^b >= n. Each round of the bijection multiplies by an odd constant, adds a constant, and
-/// combines the number with itself shifted to the right. The bijection is repeated until the result is less
-/// than n.
+/// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`.
+/// It repeats a bijection of b-bit numbers, where 2^b >= n, until the result is less than n.
+/// Each round of the bijection multiplies by an odd constant, adds a constant, and
+/// combines the number with itself shifted to the right.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {
@@ -24,8 +24,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift, 1 to bits - 1, depends on the highest 4 bits of offset_[r]. `step` adds only the
-            // lowest `bits` bits, so the shift is independent of what is added, unless bits > 28.
+            // The shift, 1 to bits - 1, depends on the highest 4 bits of offset_[r].
+            // `step` adds only the lowest `bits` bits, so the two are independent unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -38,8 +38,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces several x, all in [0, n), by their images. An element needs fewer than two steps on average.
-    /// This is because n is more than half of 2^b, the smallest power of two that is at least n.
+    /// Replaces several x, all in [0, n), by their images.
+    /// An element needs fewer than two steps on average, because n is more than half of 2^b.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -47,8 +47,8 @@ class Permutation {
     }
 
   private:
-    /// Applies the bijection once to all elements of x, or only to those that are n or more. Returns true if
-    /// any value is still n or more.
+    /// Applies the bijection once to all elements of x, or only to those that are n or more.
+    /// Returns true if any value is still n or more.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;
@@ -65,8 +65,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of rounds. With six rounds, all permutations of 2 to 5 elements are equally frequent, within 4
-    /// %. With four rounds, their frequencies differ by tens of percent.
+    /// With six rounds, all permutations of 2 to 5 elements are equally frequent, within 4 %.
+    /// With four rounds, their frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

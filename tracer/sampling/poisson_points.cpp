@@ -11,16 +11,14 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance of two points on the torus, at most 2^63. Coordinates are in units of 2^-32,
-/// so the unit of the result is 2^-64.
+/// Returns the squared distance of two points on the torus, at most 2^63, in units of 2^-64.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// A grid that stores points by position, so that nearby points are found quickly. Its cells are so small
-/// that each contains at most one point.
+/// Finds nearby points quickly. A cell of the grid contains at most one point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -57,8 +55,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of random points that are tried before the pattern is started again. The last point
-    // needs 100 tries on average (poisson_distance_share), less than a tenth of this limit.
+    // Limit of the number of random points before the pattern is started again.
+    // The last point needs 100 tries on average (poisson_distance_share), less than a tenth of this limit.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -99,7 +97,7 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes `count` samples of one block to `u` and `v`, where count is 1 to 16.
+/// Writes `count` samples of one block, where count is 1 to 16.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);
@@ -151,7 +149,7 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
 }
 
 PoissonPoints::Block PoissonPoints::block_of(std::uint32_t sample) const {
-    // The first n % blocks_ blocks have one point more than the other blocks.
+    // The first n % blocks_ blocks have one point more than the others.
     const std::uint32_t least = n_ / blocks_, large = n_ % blocks_, in_large = large * (least + 1);
     if (sample < in_large) {
         const std::uint32_t k = sample / (least + 1);

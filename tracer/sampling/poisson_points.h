@@ -1,5 +1,4 @@
-// Poisson-disc points on the torus. These are random points with a minimum distance from each other
-// [cook1986].
+// Poisson-disc points on the torus: random points with a minimum distance from each other [cook1986].
 #pragma once
 
 #include <array>
@@ -10,33 +9,31 @@
 
 namespace postlens {
 
-/// A set of points on the torus [0, 1)^2. Coordinates are integers in units of 2^-32, so adding a shift wraps
-/// around.
+/// Points on the torus [0, 1)^2, in integer units of 2^-32, so that adding a shift wraps around.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
 
-/// Returns the distance between neighbours in the densest (hexagonal) arrangement of points in the plane, if
-/// there is one point per area 1/n. It is sqrt(2 / (sqrt(3) n)).
+/// Returns the distance between neighbours in the densest (hexagonal) arrangement of n points per unit area.
+/// It is sqrt(2 / (sqrt(3) n)).
 [[nodiscard]] double densest_distance(int n);
 
-/// Returns exactly n points, where n is 1 to 1024. On the torus, no two points are nearer to each other than
-/// `poisson_distance_share` * densest_distance(n). Random points are tried until n of them keep this
-/// distance. If there is no space left for a further point, the pattern is started again.
+/// Returns exactly n points, where n is 1 to 1024, found by trying random points.
+/// On the torus, their distances are at least `poisson_distance_share` * densest_distance(n).
+/// If there is no space for a further point, the pattern is started again.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower. At 0.7, one in
-/// a hundred random points still fits as the last point. At 0.777, there is typically no space left for the
-/// last point.
+/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower.
+/// At 0.7, one in a hundred random points fits as the last point. At 0.777, there is typically no space left.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n points on the circle [0, 1) with a distance of at least poisson_distance_share / n. They have
-/// exactly the distribution of random points with this minimum distance. To make them, uniform points are
-/// placed on a shorter circle, and the minimum distance is inserted after each point.
+/// Returns n points on the circle [0, 1) with a distance of at least poisson_distance_share / n.
+/// They are distributed exactly as random points with this minimum distance:
+/// uniform points on a shorter circle, with the minimum distance inserted after each.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
-/// Poisson-disc points for the samples of a pixel. A pixel uses one of `patterns` precomputed patterns, with
-/// a random shift on the torus and in random order. If it has more than 1024 samples, they are divided into
-/// independent blocks of almost equal size with at most 1024 points.
+/// Poisson-disc points for the samples of a pixel.
+/// A pixel uses one of `patterns` patterns, with a random shift on the torus and in random order.
+/// More than 1024 samples are divided into independent blocks of almost equal size.
 class PoissonPoints {
   public:
     static constexpr int patterns = 8;
@@ -44,8 +41,8 @@ class PoissonPoints {
 
     /// n: 1 .. 2^20.
     PoissonPoints(std::uint32_t n, std::uint64_t seed);
-    /// Writes the points of samples [first, first + count), where count is 1 to 16. If `permuted` is true,
-    /// the points are in random order, otherwise in the order of the pattern.
+    /// Writes the points of samples [first, first + count), where count is 1 to 16.
+    /// With `permuted`, the points are in random order, otherwise in the order of the pattern.
     void fill_2d(SetKey key, bool permuted, int first, int count, float* u, float* v) const;
     void fill_1d(SetKey key, bool permuted, int first, int count, float* u) const;
 

@@ -1,5 +1,4 @@
-// Point sets for distributed rays. They determine the position of each ray in the pixel, on the lens and in
-// the shutter interval.
+// Point sets for distributed rays: the position of each ray in the pixel, on the lens and in the shutter.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +12,9 @@
 
 namespace postlens {
 
-/// Distribution within a pixel of the points of a set (SampleSet). Points of different sets are usually
-/// paired at random. In `random`, all points are independent. In `sobol`, the sets for pixel, lens and time
-/// are also well distributed jointly.
+/// How the points of a set (SampleSet) are distributed within a pixel.
+/// Points of different sets are paired at random.
+/// With `sobol`, those for pixel, lens and time are also well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -24,32 +23,32 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three sets give the position of an eye ray in the pixel, on
-/// the lens and in time. They are jointly well distributed. `sample_set` makes all other sets.
+/// Identifies an independent point set. The first three are for an eye ray's position in pixel, lens and
+/// time. All other sets are made by `sample_set`.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the point set for a purpose, such as an area light or a glossy bounce. `a` and `b` are two further
-/// numbers, such as the path and the index of the light. The result is never one of the three sets of an eye
-/// ray. Different arguments give different sets, except with a probability of 2^-32.
+/// Returns the point set for a purpose, such as an area light or a glossy bounce. Never a set of an eye ray.
+/// `a` and `b` are two further numbers, such as the path and the index of the light.
+/// Different arguments give different sets, except with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on (kind, spp, seed, pixel, set,
-/// index), so they are bit-identical for any instruction set and any order of calls. The one- and
-/// two-dimensional points of a set are independent of each other. All samples of a pixel must be used,
-/// because a subset may not be well distributed.
+/// Returns numbers in [0, 1) that are multiples of 2^-24.
+/// They depend only on (kind, spp, seed, pixel, set, index), bit-identical for any instruction set.
+/// The one- and two-dimensional points of a set are independent of each other.
+/// All samples of a pixel must be used, because a subset may not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;
 
-    /// `spp` is the number of samples per pixel, 1 .. max_spp. Throws Error(wrong_arguments) outside this
-    /// range. For `poisson`, the constructor makes the patterns, which takes up to a few tenths of a second.
+    /// `spp` is the number of samples per pixel, 1 .. max_spp. Else throws Error(wrong_arguments).
+    /// For `poisson`, making the patterns takes up to a few tenths of a second.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 
     [[nodiscard]] SamplerKind kind() const { return kind_; }
@@ -64,8 +63,8 @@ class Sampler {
         alignas(64) float pixel_u[sample_lanes], pixel_v[sample_lanes], lens_u[sample_lanes],
             lens_v[sample_lanes], time_u[sample_lanes];
     };
-    /// Writes the points of an eye ray: two-dimensional points of pixel_set and lens_set, and one-dimensional
-    /// points of time_set. Entries from `count` on are undefined.
+    /// Writes the points of an eye ray: 2D points of pixel_set and lens_set, and 1D points of time_set.
+    /// Entries from `count` on are undefined.
     void fill_eye(std::uint32_t pixel, int first, int count, EyeSamples& out) const;
 
     [[nodiscard]] glm::vec2 point_2d(std::uint32_t pixel, SampleSet set, int index) const;

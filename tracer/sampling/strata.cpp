@@ -16,22 +16,22 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. (a + 0.5) / d
-/// is at least 0.5 / d away from any integer, so rounding errors do not change quotients of up to 2^24.
+/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal.
+/// (a + 0.5) / d is at least 0.5 / d away from any integer, so quotients of up to 2^24 are exact.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24,
-    /// rounded up. For integers, a / d rounded up is (a + d - 1) / d rounded down.
+    /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24.
+    /// It is rounded up: a / d rounded up is (a + d - 1) / d rounded down.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
 
-/// Returns the integer at the fraction `share` of [begin, end), rounded down. `share` is in [0, 1).
+/// Returns the integer at the fraction `share`, in [0, 1), of [begin, end), rounded down.
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }
@@ -45,7 +45,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes the position of each point within its cell, as fractions in [0, 1) with 24 bits.
+/// Computes the position of each point within its cell, as 24-bit fractions in [0, 1).
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -67,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row whose first cell, floor(row * n / rows), is at most c. This means row * n / rows
-        // < c + 1, or row * n <= (c + 1) * rows - 1.
+        // Finds the last row whose first cell, floor(row * n / rows), is at most c.
+        // Equivalent: row * n / rows < c + 1, or row * n <= (c + 1) * rows - 1.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

@@ -1,4 +1,4 @@
-// Stratified points, with one point in each of n cells of equal area [cook1984].
+// Stratified points: one point in each of n cells of equal area [cook1984].
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@ namespace postlens {
 
 enum class CellPoint { centre, random };
 
-/// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20. There are round(sqrt(n)) rows.
-/// Any two rows have the same number of cells or differ by one cell. The height of a row is proportional to
-/// its number of cells. Cells are numbered row by row.
+/// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20.
+/// There are round(sqrt(n)) rows, with equal numbers of cells or one more.
+/// The height of a row is proportional to its number of cells. Cells are numbered row by row.
 class Strata {
   public:
     explicit Strata(std::uint32_t n);
@@ -22,13 +22,12 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i. If
-    /// `permuted` is true, it is in cell p(i) instead, where `key` selects the random permutation p. Samples
-    /// with an index of n or more are in the cell of sample n - 1. Points and the edges of cells are
-    /// multiples of 2^-24, so rounding never moves a point out of its cell.
+    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i.
+    /// With `permuted`, it is in cell p(i), where `key` selects the random permutation p.
+    /// Samples with an index of n or more are in the cell of sample n - 1.
+    /// Points and cell edges are multiples of 2^-24, so rounding never moves a point out of its cell.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Writes one-dimensional points, with one point in each of n equal intervals of [0, 1). The arguments
-    /// are those of fill_2d.
+    /// Writes one-dimensional points, one in each of n equal intervals of [0, 1). Arguments as for fill_2d.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

@@ -1,5 +1,5 @@
-// Counts the materials that reflect or refract into a lobe, and the lights that have an area. For these, a
-// trace records only the mean radiance over the lobe or area.
+// Counts the materials that reflect or refract into a lobe, and the lights that have an area.
+// A trace records only the mean radiance over a lobe or area.
 #pragma once
 
 #include <cstdint>

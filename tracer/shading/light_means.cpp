@@ -28,9 +28,9 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the twelve points by which the visibility of an area light is tested. Points 0 to 7 lie
-// on its outline, and points 8 to 11 lie in its four quarters. On a sphere, the points on the outline are
-// rotated by a random angle, because points at fixed positions would always miss an occluder between them.
+// Returns point i of the twelve that test the visibility of an area light.
+// Points 0 to 7 lie on its outline, and points 8 to 11 in its four quarters.
+// On a sphere, the outline points are rotated at random. Fixed points would always miss the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -55,9 +55,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// Returns the mean over the light source of the radiance that the surface reflects, without shadows. The
-// source is divided into ever smaller cells until the mean changes little and a cell is narrower than the
-// specular highlight.
+// Returns the mean over the light of the radiance that the surface reflects, without shadows.
+// The light is divided into smaller cells until the mean settles and a cell is narrower than the highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));
@@ -81,8 +80,7 @@ int cells_for(const ExtentLit& p, const dvec3& radiance) {
         std::clamp(k, static_cast<double>(fewest_cells), static_cast<double>(LightMeans::most_cells)));
 }
 
-// Adds to `rays` the shadow ray from the surface point to the point of the light source for which `lit` was
-// computed.
+// Adds the shadow ray from the surface point to the light point for which `lit` was computed.
 void send(const ExtentLit& p, const Lit& lit, RayBatch& rays) {
     rays.add(lit.origin, lit.segment, lit.reach, p.key);
 }

@@ -1,5 +1,5 @@
-// Computes the radiance that a surface point reflects from an area light, averaged over the area of the
-// light. A record can store this mean, because a penumbra looks the same from every lens point.
+// Computes the radiance that a surface point reflects from an area light, averaged over the light's area.
+// A record can store this mean, because a penumbra looks the same from every lens point.
 #pragma once
 
 #include <cstdint>
@@ -24,28 +24,26 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Estimate of the radiance without noise. It decides whether cells are subdivided. It is the unshadowed
-    /// radiance if the light source is completely visible, 0 if it is hidden, and half the unshadowed
-    /// radiance otherwise.
+    /// Noise-free estimate of the radiance, by which cells are subdivided.
+    /// It is the unshadowed radiance times 1 if the light is completely visible, 0 if hidden, and else 0.5.
     glm::dvec3 steady{0};
 };
 
-/// Averages the radiance over an area light. First, twelve shadow rays test whether the light source is
-/// visible: eight go to its outline and one to each quarter. If all twelve agree, the result is the
-/// unshadowed mean times their transmittance. Otherwise the source is divided into k^2 cells of equal size,
-/// and one jittered point of each cell is shaded with its own shadow ray.
+/// Averages the radiance over an area light. First, twelve shadow rays test the visibility of the light:
+/// eight go to its outline and one to each quarter.
+/// If all twelve agree, the result is the unshadowed mean times their transmittance.
+/// Otherwise the light is divided into k^2 cells, and one jittered point of each is shaded with a shadow ray.
 ///
-/// k is 4 to `most_cells`. It is chosen so that the standard deviation of a record is 2/255 of white
-/// (radiance 1). The standard deviation is estimated as L / (2 k^1.5) for an unshadowed radiance L, because a
-/// straight shadow edge crosses about k cells. A pixel is the mean of at least four records, which halves the
-/// standard deviation to 1/255.
+/// k is 4 to `most_cells`, so that the standard deviation of a record is 2/255 of white (radiance 1).
+/// A straight shadow edge crosses about k cells, so this deviation is about L / (2 k^1.5).
+/// L is the unshadowed radiance. A pixel is the mean of at least four records, which halves the deviation.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Computes the results of all points and stores them in `points`. `rays` is a temporary buffer. Adds the
-    /// number of rays to `shadow_rays`. Thread-safe.
+    /// Stores the results of all points in `points`. `rays` is a temporary buffer.
+    /// Adds the number of rays to `shadow_rays`. Thread-safe.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

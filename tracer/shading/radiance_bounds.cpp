@@ -25,8 +25,8 @@ double distance_to_segment(const dvec3& a, const dvec3& b, const dvec3& p) {
     return glm::length(p - a - share * along);
 }
 
-// Returns a lower bound of the distance from p to a moving object, m. The origin of the object moves along a
-// straight line between keyframes, and its surface stays within a ball around the origin.
+// Returns a lower bound of the distance from p to a moving object, m.
+// The object's origin moves straight between keyframes. Its surface stays within a ball around the origin.
 double distance_to_moving(const Object& o, const dvec3& p) {
     const Bounds rest = shape_bounds(o.shape, o.motion_base);
     const double reach = glm::length(glm::max(glm::abs(rest.min), glm::abs(rest.max)));
@@ -58,7 +58,7 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// Returns an upper bound of a light's intensity at any surface, including the attenuation by distance.
+// Returns an upper bound of a light's intensity at any surface, with the attenuation by distance.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

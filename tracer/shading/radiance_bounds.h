@@ -1,5 +1,4 @@
-// Upper bounds of the radiance along a ray. They show which rays cannot contribute visibly. Such rays are not
-// traced.
+// Upper bounds of the radiance along a ray. Rays that cannot contribute visibly are not traced.
 #pragma once
 
 #include <vector>
@@ -8,9 +7,8 @@
 
 namespace postlens {
 
-/// Returns upper bounds of radiance for k = 0 to max_depth. Element k bounds the radiance of a ray whose
-/// shading tree is at most k nodes deep. It is 1e100 or more if the radiance has no bound, for example near a
-/// light whose intensity grows without limit at small distances.
+/// Returns upper bounds of radiance for shading trees of at most k nodes' depth, k = 0 to max_depth.
+/// A bound of 1e100 or more means none, as near a light whose intensity grows without limit.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

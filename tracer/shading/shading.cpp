@@ -18,8 +18,7 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // If the interpolated normal faces away from the ray, no mirrored direction exists. The geometric
-        // normal is then used instead.
+        // If the interpolated normal faces away from the ray, no mirrored direction exists.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
@@ -63,8 +62,7 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 to_centre = placed.position - from;
     const double distance2 = glm::dot(to_centre, to_centre), sine2 = l.radius * l.radius / distance2;
     if (!(sine2 < 1)) return placed.position;  // `from` is inside the sphere, from where there is no outline
-    // `widest` is 1 - cos a, where a is half the opening angle of the cone that the sphere subtends. This
-    // form has no cancellation for small a.
+    // 1 - cos a, without cancellation. a is half the opening angle of the cone that the sphere subtends.
     const double widest = sine2 / (1 + std::sqrt(1 - sine2));
     const double lowered = uv.x * widest, cosine = 1 - lowered;
     const double sine = std::sqrt(std::max(0.0, lowered * (2 - lowered))), turn = 2 * std::numbers::pi * uv.y;
@@ -73,7 +71,6 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 hint = std::abs(z.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - z * glm::dot(hint, z)), y = glm::cross(z, x);
     const dvec3 direction = sine * std::cos(turn) * x + sine * std::sin(turn) * y + cosine * z;
-    // The visible part of the sphere's surface contains the nearer crossing.
     const double across2 = distance2 * sine * sine;
     return from + (distance * cosine - std::sqrt(std::max(0.0, l.radius * l.radius - across2))) * direction;
 }
@@ -85,8 +82,8 @@ double schlick_weight(double cosine) {
 
 namespace {
 
-// Returns the specular coefficient of a highlight. With `fresnel`, it depends on the angle of incidence at
-// the microfacets, whose normal is halfway between the directions to the light and to the eye.
+// Returns the specular coefficient of a highlight. With `fresnel`, it depends on the microfacets' angle.
+// Their normal is halfway between the directions to the light and to the eye.
 dvec3 highlight(const Material& m, const dvec3& to_light, const dvec3& direction) {
     if (!m.fresnel) return m.specular;
     const dvec3 half = to_light - direction;
@@ -111,8 +108,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) return out;
     dvec3 intensity = l.intensity;
     if (!directional) {
-        // The attenuation of a spherical light depends on the distance to its centre. Its radius therefore
-        // only affects shadows.
+        // The attenuation depends on the distance to a sphere's centre, so its radius affects only shadows.
         const double r = l.kind == Light::Kind::sphere ? glm::length(placed.position - s.position) : distance;
         intensity /= l.attenuation.x + r * (l.attenuation.y + r * l.attenuation.z);
     }
@@ -126,8 +122,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // Computes the cosine R . V. R is the direction to the light, mirrored at the surface. V is the
-        // direction to the eye.
+        // The cosine R . V, where R is the mirrored direction to the light and V the direction to the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -138,7 +133,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     // The shadow ray starts slightly off the geometric surface, on the side that faces the light.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
-    // The ray ends just before the light, so that a surface at the same position does not block it.
+    // The ray ends just before the light, so that a surface at the light's position does not block it.
     out.segment = directional ? to_light : at - out.origin;
     out.reach = directional ? std::numeric_limits<float>::infinity() : 1 - 1e-6F;
     return out;
@@ -160,9 +155,9 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation uses the angle in the medium with the smaller index of refraction. For a
-        // ray that leaves the denser medium, this is the angle of the refracted ray. An opaque material is
-        // treated as seen from outside.
+        // Schlick's approximation needs the angle in the medium with the smaller index of refraction.
+        // For a ray that leaves the denser medium, this is the angle of the refracted ray.
+        // An opaque material is treated as seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);

@@ -1,6 +1,5 @@
-// Whitted's shading model [whitted1980], which all tracers use. It computes the radiance that a surface emits
-// along a ray, one light at a time. It also computes the directions and weights of reflected and refracted
-// rays.
+// Whitted's shading model [whitted1980], which all tracers use. It computes the radiance of a surface
+// along a ray, light by light, and the directions and weights of reflected and refracted rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,7 +11,7 @@ namespace postlens {
 
 [[nodiscard]] double largest(const glm::dvec3& v);
 
-/// The surface, with its normals turned to the side of the incoming ray.
+/// The normals of a surface, turned to the side of the incoming ray.
 struct Facing {
     glm::dvec3 normal{0}, geometric_normal{0};
     double sign = 1;      ///< -1 if the normals were reversed
@@ -21,8 +20,7 @@ struct Facing {
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns the part of a surface's radiance that does not depend on light sources: the ambient term and the
-/// emission.
+/// Returns the ambient term and the emission, which do not depend on light sources.
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
 /// Returns the surface colour at the hit. It multiplies the ambient and diffuse terms.
@@ -38,9 +36,9 @@ struct PlacedLight {
 /// Returns the light at one instant. `motion` is the value of the light's keyframes at this instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
-/// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres
-/// are sampled uniformly in solid angle, and rectangles uniformly in area. For any other light, the result is
-/// its position.
+/// Returns a point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`.
+/// Spheres are sampled uniformly in solid angle, and rectangles uniformly in area.
+/// For any other light, returns its position.
 [[nodiscard]] glm::dvec3 light_point(const PlacedLight& placed, const glm::dvec3& from, const glm::dvec2& uv);
 
 /// Contribution of one light without occlusion.
@@ -52,36 +50,36 @@ struct Lit {
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the radiance that a surface reflects or transmits from a light, without occlusion. `at` is the
-/// sample point on the light (light_point). `direction` is the direction of the ray that sees the surface.
+/// Returns the radiance that a surface reflects or transmits from a light, without occlusion.
+/// `at` is a point on the light (light_point). `direction` is that of the ray that sees the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
 
-/// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence in Schlick's approximation
-/// [schlick1994, eq. 24].
+/// Returns (1 - cosine)^5, the weight of grazing reflectance in Schlick's approximation [schlick1994, eq.
+/// 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// The reflected and the refracted ray at a hit: their weights, and the quantities from which their
-/// directions are computed.
+/// The reflected and the refracted ray at a hit: weights, and what determines their directions.
 struct Continuation {
-    /// Factors by which the radiance of the two rays is multiplied. In total internal reflection,
-    /// `transmitted` is 0, and the material's transmission is added to `reflected`.
+    /// Factors by which the radiance of the two rays is multiplied.
+    /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.
     glm::dvec3 reflected{0}, transmitted{0};
     double d_n = 0, eta = 1, root = 0;  ///< direction . normal; ratio of indices; cosine of the refracted ray
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Returns the direction of the reflected ray, unit length. If the interpolated normal would reflect the ray
-/// into the surface, the geometric normal is used instead and `inwards` is set to true.
+/// Returns the direction of the reflected ray, unit length.
+/// If the interpolated normal would reflect the ray into the surface, the geometric normal is used.
+/// `inwards` is then true.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
-/// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface. The width of
-/// the lobe is 1 / sqrt(exponent), rad, and `distance_m` is the distance to the lens along the path. False
-/// for an infinite exponent.
+/// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface.
+/// The lobe's width is 1 / sqrt(exponent), rad. `distance_m` is the path length to the lens.
+/// False for an infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

@@ -6,9 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the record with the given path (sequence of bounces) in `layer`, else the one in layer 0, else
-/// null. For a hidden surface seen in a mirror or through glass, the mirror or glass is recorded only in
-/// layer 0.
+/// Returns the record with this path (sequence of bounces) in `layer`, else in layer 0, else null.
+/// The mirror or glass in front of a reflected or refracted hidden surface is recorded only in layer 0.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -29,8 +28,7 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of those records of one sample that have the same bounces as a given node: the same sequence, at
-/// the same objects.
+/// Summary of the records of one sample that bounced like a given node, at the same objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

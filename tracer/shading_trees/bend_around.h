@@ -1,6 +1,5 @@
-// Estimates `w_bend`, the second-order motion of a node's image when the lens point moves, from samples
-// around the node. This saves the rays from several lens points that measure it. The matrix W describes the
-// first-order motion.
+// Estimates `w_bend` of a node from samples around it, without tracing rays from several lens points.
+// `w_bend` is the second-order motion of the node's image when the lens point moves. W is the first order.
 #pragma once
 
 #include <array>
@@ -15,8 +14,7 @@ namespace postlens {
 /// Records of four point samples, stored as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// A node, together with the ids of the objects at which its path reflects or transmits. The ids are in order
-/// from the eye.
+/// A node, and the ids of the objects at which its path reflects or transmits, in order from the eye.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -24,13 +22,13 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest `w_bend` of similar nodes in the four samples. A
-/// similar node has the same path as `node` and bounced at the same objects. The result is empty in these
-/// cases, because the value at `node` may then be different:
+/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest `w_bend` of similar nodes in the four samples.
+/// A similar node has the same path as `node` and bounced at the same objects.
+/// Empty in these cases, because the value at `node` may then be different:
 /// - A sample has no similar node.
 /// - No similar node lies on the object of `node`.
-/// - The greatest value exceeds `little`. This does not apply if all four samples have a similar node on the
-/// object of `node` and their values agree within a factor of two.
+/// - The greatest value exceeds `little`. Exception: all four samples have a similar node on the object of
+///   `node`, and their values agree within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

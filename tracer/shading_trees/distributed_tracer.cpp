@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Kinds of random decisions at a node. Each kind uses a different sample set (sample_set).
+// Kinds of random decisions at a node, each with its own sample set (sample_set).
 enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
@@ -23,22 +23,22 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the LimitedNode (node with clamped radiance) to which the light is added. If `no_node`, the
-    /// light is added directly to the radiance of the eye ray.
+    /// Index of the LimitedNode to which the light is added.
+    /// If `no_node`, the light is added to the radiance of the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped, because the light above the clamp is added to the image as highlights
-/// (LightElsewhere). All light of the node is summed before clamping.
+/// A node whose radiance is clamped, after all its light has been summed.
+/// The light above the clamp is added to the image as highlights (LightElsewhere).
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Clamps the radiance of a node to LightElsewhere::above and adds the result to the radiance of its ray. If
-/// `counts` is true, adds the amount above the clamp to EyeRays::left_out.
+/// Clamps the radiance of a node to LightElsewhere::above and adds it to its ray.
+/// If `counts` is true, adds the rest to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;
@@ -66,8 +66,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // The lobe has the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is
-    // c^(n + 1), which is inverted here.
+    // The lobe has the density (n + 1) / (2 pi) cos^n.
+    // Its cumulative distribution c^(n + 1), where c is the cosine, is inverted here.
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
@@ -155,8 +155,7 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // A lobe may contain directions that point to the wrong side of the surface. They are mirrored to
-            // the other side, because otherwise light would be lost.
+            // Directions of the lobe on the wrong side of the surface are mirrored, so that no light is lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

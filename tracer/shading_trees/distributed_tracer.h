@@ -1,5 +1,5 @@
-// Distributed ray tracing [cook1984]. Every eye ray has its own lens point and its own instant. Shadow rays
-// sample the area of lights. Reflected and refracted rays sample the lobes of rough surfaces.
+// Distributed ray tracing [cook1984]: eye rays sample the lens and the shutter interval, shadow rays
+// the area of lights, and reflected and refracted rays the lobes of rough surfaces.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,8 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette. A reflected or refracted ray is traced with a probability equal to the largest
-    /// channel of its reflectance or transmittance, and its weight is divided by this probability. The
-    /// expected radiance stays the same, with fewer rays but more noise.
+    /// Russian roulette: traces a reflected or refracted ray with a probability of its weight's largest
+    /// channel. The ray's weight is divided by this probability. This needs fewer rays but gives more noise.
     bool roulette = false;
 };
 
@@ -30,13 +29,12 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1. They serve only
-    /// to omit reflected and refracted rays that contribute less than `min_contribution` to the caller's
-    /// result.
+    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1.
+    /// Reflected and refracted rays with a product below `min_contribution` are omitted.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
-    /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed
-    /// only with `less`: LightElsewhere::of decides by this position whether a node is clamped.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray.
+    /// Needed only with `less`, which decides by this position whether a node is clamped.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
@@ -49,12 +47,12 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
-    /// order give bit-identical results.
+    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe.
+    /// The same rays in the same order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// True if eye rays are passed to Embree as coherent rays. This doubles the speed with a pinhole, but
-    /// almost halves it with moving geometry (docs/performance.md).
+    /// True if eye rays are passed to Embree as coherent rays. This doubles the speed with a pinhole.
+    /// With moving geometry, it almost halves the speed (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// True if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
@@ -62,7 +60,7 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
-    // What must be computed to shade a hit on an object, in order of increasing work.
+    // What is needed to shade a hit on an object, in order of increasing work.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -78,8 +76,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out. Per
-    /// ray, EyeRays::left_out_of identifies the nodes whose removed radiance the caller needs.
+    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out.
+    /// This is so for the nodes in EyeRays::left_out_of.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;
@@ -94,8 +92,8 @@ class DistributedTracer {
     bool moving_lights_ = false;
 };
 
-/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2. Returns
-/// `axis` if the exponent is infinite.
+/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2.
+/// Returns `axis` if the exponent is infinite.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

@@ -14,12 +14,11 @@ using glm::dvec3;
 
 namespace {
 
-// Limit of the number of bounding balls that are tested against a ray. Testing more balls would take longer
-// than tracing the ray.
+// Testing more bounding balls would take longer than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// If the pinhole moves less than this, the camera is assumed only to rotate, because the motion may be a
-// rounding error. The value is relative to 1 m plus the distance of the pinhole from the origin.
+// A smaller motion of the pinhole may be a rounding error, so the camera is assumed only to rotate.
+// The value is relative to 1 m plus the distance of the pinhole from the origin.
 constexpr double still = 1e-9;
 
 }  // namespace

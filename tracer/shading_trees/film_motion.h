@@ -1,5 +1,5 @@
-// Predicts where a recorded surface point is on the raster at other instants. The prediction uses the motion
-// of the object that has the point's id, and the motion of the camera.
+// Predicts where a recorded surface point is on the raster at other instants.
+// It uses the motion of the camera and of the object with the point's id.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,24 @@ namespace postlens {
 class FilmMotion {
   public:
     /// `from_s` is the instant of the records. Positions are predicted for the instants `instants_s`.
-    /// `camera` must be the camera from which `motion` was made.
+    /// `motion` must have been made from `camera`.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, of a point at instant i. The point belongs to object `id`, and its
-    /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
+    /// Returns the raster position, px, at instant i of a point of object `id`. Empty if it is behind the
+    /// camera. `point` is its world position at `from_s`, m.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of the infinitely distant background that a ray in
-    /// `direction` sees. For an orthographic camera, the result is `at`, the raster position of the ray.
+    /// Returns the raster position, px, at instant i of the background at infinity in `direction`.
+    /// For an orthographic camera, returns `at`, the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
     /// True if the pose of the camera or of an object at some instant differs from its pose at `from_s`.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
-    /// True if the motion of the camera causes parallax between near and far points. A camera that only
-    /// rotates about the pinhole causes none.
+    /// True if the motion of the camera causes parallax. A rotation about the pinhole causes none.
     [[nodiscard]] bool parallax() const { return parallax_; }
     /// Returns false only if the ray certainly hits no moving object beyond the distance t, m.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
@@ -46,22 +45,19 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving object (by id) and each instant, the matrix that maps the position of a point at
-    /// `from_s` to its position at that instant.
+    /// For each moving object (by id) and instant, the matrix that moves a point there from `from_s`.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
-/// nine evenly spaced instants, including both ends of the interval, the instants in `recorded_s`, and the
-/// keyframes of objects and camera within the interval. If there are more than 32 keyframes, 32 of them are
-/// chosen quasi-randomly.
+/// Returns the instants at which motion during a shutter interval is sampled, ascending. These are
+/// nine evenly spaced instants including both ends, `recorded_s`, and the keyframes within the interval.
+/// Of more than 32 keyframes, 32 are chosen quasi-randomly.
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 
-/// Returns instant i of `count` instants (at least 2) that are evenly spaced from open to close, including
-/// both ends.
+/// Returns instant i of `count` (at least 2) evenly spaced instants from open to close, including both ends.
 [[nodiscard]] double even_instant(double open_s, double close_s, int i, int count);
 
 }  // namespace postlens

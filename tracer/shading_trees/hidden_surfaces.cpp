@@ -13,7 +13,7 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Largest number of surfaces that one ray enters or leaves. It limits the time for rays through foliage.
+// Largest number of crossings of one ray. It limits the time for rays through foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -21,7 +21,7 @@ bool is_flat(const Shape& shape) {
            std::holds_alternative<Plane>(shape);
 }
 
-// The state of a ray that is followed through all surfaces on its line.
+// A ray that is followed through all surfaces on its line.
 struct Chain {
     std::uint32_t ray = 0;
     HitKey key;           // last hit
@@ -58,16 +58,15 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further. It lies just before the last hit,
-    // because another surface may have the same position, such as a floor under a box. After a repeated hit
-    // (`beyond`), all of these surfaces are known, and it lies just behind the hit.
+    // Returns the distance, m, from which the ray is traced further: just before the last hit, because
+    // another surface may have the same position, such as a floor under a box.
+    // After a repeated hit (`beyond`), all surfaces there are known, so it is just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of a ray to its chain, that is, to the surfaces that the ray has passed. Returns
-    // false if the ray needs no further hits.
+    // Adds the next hit of a ray to its chain. Returns false if the ray needs no further hits.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -80,8 +79,7 @@ class Follower {
     }
 
   private:
-    // Processes a hit of a ray. A new surface is added to the ray's chain of surfaces. Other hits are the
-    // exit from an object, or a repeated hit at the same position.
+    // Adds the surface of a hit to the ray's chain, unless it is the exit from an object or a repeated hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -98,8 +96,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray may enter one part of an object and then meet the back of another part, for example among the
-        // leaves of a tree. In that case, the ray has not left the part that it entered.
+        // Leaves of a tree: a ray that has entered one part may meet the back of another without leaving the
+        // first.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -113,8 +111,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next surface on the ray, or the background behind all surfaces, to the ray's chain of
-    // surfaces. If it is hidden and the caller needs it, it is also added to the result.
+    // Adds the next surface on the ray, or the background, to the chain.
+    // If it is hidden and needed, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -140,14 +138,14 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // Without parallax, motion never reveals a surface at rest behind another surface at rest.
+        // Without parallax, motion never reveals a surface at rest behind another at rest.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // True if some lens point may see surface `s` past the surfaces in front of it. Also adds the inverse
-    // depth of `s` to the ray's chain of surfaces.
+    // True if some lens point may see surface `s` past the surfaces in front of it.
+    // Adds the inverse depth of `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -159,9 +157,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass, so the
-        // lens sees more of them past an edge. A mirror or glass is therefore kept if the lens could see a
-        // surface at any depth on the same ray.
+        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass itself,
+        // so the lens sees more of them past an edge. A hidden mirror or glass is therefore kept if the lens
+        // could see a surface at any depth on this ray.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -177,9 +175,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if motion may uncover surface `s`. For each surface in front of `s`, there must be an instant at
-    // which the two have different raster positions. Also adds the raster positions of `s` to the ray's chain
-    // of surfaces.
+    // True if motion may uncover surface `s`: at some instant, it must have another raster position
+    // than each surface in front of it. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

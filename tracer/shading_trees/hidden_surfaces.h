@@ -1,5 +1,5 @@
-// Finds hidden surfaces. These are the surfaces that an eye ray would hit next if it passed through its first
-// hit. A wide lens sees them past edges. An open shutter sees them after the object in front has moved away.
+// Finds hidden surfaces: those that an eye ray would hit next if it passed through its first hit.
+// A wide lens sees them past edges, and an open shutter after the object in front has moved away.
 #pragma once
 
 #include <cstdint>
@@ -18,33 +18,31 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per eye ray if `motion` is set. Shading a hidden surface costs as
-    /// much as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
+    /// Largest number of hidden surfaces per eye ray if `motion` is set. Each costs as much as a visible one,
+    /// and images rarely show more than four on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if only a lens can reveal them, that is, if `motion` is null
-    /// or the ray has bounced. It is smaller than `most_uncovered`, because motion reveals more behind an
-    /// edge than a lens does.
+    /// Largest number of hidden surfaces per ray if only a lens can reveal them.
+    /// Behind an edge, a lens reveals less than motion does.
     static constexpr int most_seen_past = 3;
-    /// A strip of a hidden surface that is not wider than this, px, is not visible, because a pixel is the
-    /// mean of at least four samples.
+    /// Largest width, px, of an invisible strip of a hidden surface. A pixel is the mean of at least four
+    /// samples.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
-    /// reveal a surface if it separates from each surface in front of it: at some instant, the two must be
-    /// more than `same_place_px` apart on the raster.
+    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered`.
+    /// Motion may reveal a surface if, at some instant, it is more than `same_place_px` away from
+    /// each surface that was in front of it.
     const FilmMotion* motion = nullptr;
-    /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
-    /// may reveal. Surfaces behind reflections and refractions are included.
+    /// If not null, also returns surfaces that some lens point may see, even after reflection and refraction.
     const LensReach* lens = nullptr;
-    /// The parts of all objects. Null if every object has a single part.
+    /// The parts of all objects. Null if every object is a single part.
     const ObjectParts* parts = nullptr;
     double same_place_px = invisible_px;  ///< only for `motion`; `lens` has its own
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// An eye ray, or a reflected or refracted ray of its shading tree, and the first hit of that ray.
+/// An eye ray, or a reflected or refracted ray of its shading tree, and its first hit.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
@@ -55,8 +53,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth (LensReach), 1/m, of the image of an infinitely distant point on the ray. It
-    /// is 0 for an eye ray, but not after a curved mirror, which images the point at a finite depth.
+    /// Returns the inverse depth, 1/m, at which an infinitely distant point on the ray is imaged (LensReach).
+    /// It is 0 for an eye ray, but not after a curved mirror.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
@@ -68,10 +66,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer. Every hit counts as a
-/// surface, except the exit from a solid part that the ray has entered. If the background behind the last
-/// surface may be visible too, it is added with the key `none`. Adds the number of traced rays to
-/// `rays_spent`. Thread-safe and deterministic.
+/// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer.
+/// The exit from a solid part that the ray has entered does not count as a surface.
+/// The background behind the last surface is added with the key `none` if it may be visible.
+/// Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

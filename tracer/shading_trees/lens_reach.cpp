@@ -14,8 +14,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns the square of the pyramid in which this thread's last search ended. The next search is usually
-/// close by and often ends in the same square.
+/// Returns the square of the pyramid in which this thread's last search ended.
+/// The next search is usually close by and often ends there too.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -120,10 +120,11 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with the inverse
-    // depth `nearest`, relative to the hidden surface. First, `nearest` is an upper bound for all surfaces
-    // close to the ray, which rejects most rays. Then it is that of the covers, and last that of a nearer
-    // surface beside them, which may hide their edge.
+    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with inverse depth
+    // `nearest`, relative to the hidden surface. It is called for three values of `nearest`:
+    // - an upper bound for all surfaces close to the ray, which rejects most rays
+    // - that of the covers
+    // - that of a nearer surface beside the covers, which may hide their edge
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

@@ -18,28 +18,26 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight of a ray that was sampled from another hit's lobe. Where the density of that lobe is small,
-// the weight would otherwise be high and cause high variance.
+// Largest weight of a ray from another hit's lobe. A small density of that lobe would cause high variance.
 constexpr double most_weight = 8;
 
-// True if two hits may share the rays that were sampled from their lobes. The axes of the lobes must differ
-// by less than the width of the wider lobe.
+// True if two hits may share rays: the axes of their lobes differ by less than the wider lobe's width.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight of the rays of hit b in the mean of hit a. It decreases from 1 at distance 0 to 0 at
-// distance `reach_px`, so that the mean is continuous over the image.
+// Returns the weight of the rays of hit b in the mean of hit a. It is 1 at distance 0.
+// It decreases to 0 at distance `reach_px`, so that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
-// index and use successive points of a stratified sequence (lobe_point), so the directions of nearby hits are
-// stratified. 16 bits per coordinate are enough to distinguish the hits of one batch.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px.
+// Hits in this order use successive points of a stratified sequence, so nearby directions are stratified.
+// 16 bits per coordinate are enough to distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -72,7 +70,7 @@ double power(double cosine, double exponent) {
                       : 0;
 }
 
-// Returns the slope of the sRGB curve per channel: the change of the image value per change of radiance.
+// Returns the slope of the sRGB curve per channel.
 dvec3 encoded_slope(const dvec3& radiance) {
     dvec3 out;
     for (int c = 0; c < 3; ++c) out[c] = srgb_slope(std::min(radiance[c], 1.0));
@@ -97,8 +95,7 @@ struct LobeMeans::Ray {
     double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// A group of hits with the same object and path, and the rays that these hits share. The hits are [first,
-// end) in sorted order.
+// Hits [first, end), in sorted order, of the same object and path, and the rays that they share.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
@@ -118,8 +115,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, which may belong to several groups. They must be sorted by
-// LobeHit::nodes_left of their hits, because rays with the same value are traced together.
+// Traces the rays from index `first` on. They must be sorted by LobeHit::nodes_left of their hits,
+// because rays with the same value are traced together.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -198,8 +195,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // `weight` is NaN if it is 0 times an infinite bound. std::min then returns its first argument,
-        // `count`.
+        // `weight` is NaN if it is 0 times an infinite bound. std::min then returns `count`.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
@@ -227,8 +223,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // `within` is the number of hits that share rays with this hit, weighted by `window` and
-            // estimated from every `stride`-th hit.
+            // The number of hits that share rays with this hit, weighted by `window`, estimated from every
+            // `stride`-th.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -1,6 +1,6 @@
-// Computes the mean radiance over wide lobes of reflection and transmission. The samples of a batch share the
-// rays for these means. A mean is almost the same from every lens point. It is therefore added to the record
-// of the surface and needs no record of its own.
+// Computes the mean radiance over wide lobes of reflection and transmission.
+// The samples of a batch share the rays for these means.
+// A mean is almost the same from every lens point, so it is added to the surface's own record.
 #pragma once
 
 #include <cstdint>
@@ -26,42 +26,44 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Throughput times the radiance of this node that does not come from its lobes. Noise in a mean is less
-    /// visible on a brighter node, so fewer rays are traced there. The sample's other nodes are ignored,
-    /// although they hide noise too.
+    /// Throughput times the radiance of this node that does not come from its lobes.
+    /// Noise in a mean is less visible on a brighter node, so fewer rays are traced there.
     glm::dvec3 beside{0};
 };
 
-/// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
-/// wrong side of the surface are mirrored to the right side.
+/// Computes means of incoming radiance over lobes cos^exponent [phong1975].
+/// As in `render`, directions on the wrong side of the surface are mirrored to the right side.
 ///
-/// Hits of the same object and path share rays if they lie within `reach_px` of each other and the directions
-/// of their lobes are similar. If hit i uses a ray of hit j, the weight of the ray is a product of two ratios
-/// [bekaert2002]. The first is the ratio of the lobe densities of the two hits in the direction of the ray's
-/// end point. The second is the squared ratio of the distances to the end point. The weights are normalised
-/// to a sum of 1. Visibility between hit i and the end point is not tested.
+/// Hits of one object and path share rays if they lie within `reach_px` of each other and
+/// the directions of their lobes are similar. The weight of a ray of hit j in the mean of hit i is
+/// a product of two ratios [bekaert2002]:
+/// - the lobe densities of i and j in the direction of the ray's end point
+/// - the squared distances of j and i to the end point
 ///
-/// The rays are traced in two passes. In the first pass, a group of hits sends 510 rays times the mean weight
-/// of its hits, but at most one ray per hit. More rays are sent in proportion if they may see a radiance
-/// above 1 (white). A feature that all of these rays miss contributes less than 1/510 of white.
+/// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
-/// The second pass reduces the remaining noise. It sends (weight s f 510)^2 rays around each hit, but at most
-/// `most_rays` per hit. Here s is the standard deviation of the radiance in the first pass, and f is the
-/// slope of the sRGB curve at the radiance of the node. The standard deviation of the image value then
-/// becomes 1/510, unless `most_rays` limits the number of rays. The result depends only on the batch, and is
-/// bit-identical in every run.
+/// The first pass sends 510 rays times the mean weight of a group of hits, but at most one ray per hit.
+/// If the rays may see a radiance above 1 (white), it sends more in proportion.
+/// A feature that all of these rays miss contributes less than 1/510 of white.
+///
+/// The second pass sends (weight s f 510)^2 rays around each hit, but at most `most_rays` per hit.
+/// - s: standard deviation of the radiance in the first pass
+/// - f: slope of the sRGB curve at the radiance of the node
+///
+/// The standard deviation of the image value then becomes 1/510, unless `most_rays` limits it.
+/// The result depends only on the batch, and is bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the time for rough metals. The noise of their image values
-    /// is then about 4/255.
+    /// Largest number of rays per hit, which limits the time for rough metals. Their noise is then about
+    /// 4/255.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance over the lobe of hits[i], without the factor hits[i].weight. Adds
-    /// the numbers of traced rays to counts.reflect, counts.refract and counts.shadow. Thread-safe.
+    /// Sets means[i] to the mean radiance over the lobe of hits[i], without the factor hits[i].weight.
+    /// Adds the numbers of rays to counts.reflect, counts.refract and counts.shadow. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:
@@ -75,9 +77,8 @@ class LobeMeans {
     std::vector<double> bound_;  ///< for each number of nodes left, an upper bound of the radiance of a ray
 };
 
-/// Returns the density of the lobe in a unit direction, relative to the density of cos^exponent on its axis.
-/// The part of the lobe behind the surface is mirrored to the front. For directions behind the surface, the
-/// density is 0.
+/// Returns the density of the lobe in a unit direction, relative to that of cos^exponent on its axis.
+/// The part of the lobe behind the surface is mirrored to the front, so the density there is 0.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size` x `size`
+/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size`^2
 /// positions.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
@@ -69,8 +69,7 @@ int MinMaxPyramid::level_of_width(double px) const {
 MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
     const Level& of = levels_[static_cast<std::size_t>(level)];
     const double x = at.x - x_begin_, y = at.y - y_begin_, per_px = 1.0 / (1 << level);
-    // The conversion to int rounds towards zero. Because the value is clamped first and not negative, this
-    // rounds down.
+    // The conversion to int rounds down, because the clamped value is not negative.
     const auto square_of = [per_px](double place, int squares) {
         return static_cast<int>(std::clamp(place * per_px, 0.0, squares - 1.0));
     };
@@ -79,11 +78,10 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 }
 
 // Searches the values within `radius` of `at`, depth-first. A square of level 0 is a single value.
-// `visit(range, square, distance2)` decides whether to descend into a square, to skip it or to end the
-// search. `distance2()` returns the squared distance from `at` to the nearest integer position in the square.
-//
-// `promise(range)` rates a square. Of its four parts, the one with the highest rating is searched first. When
-// the turn of a part comes, it is skipped if `keeps(promise)` is false.
+// - `visit(range, square, distance2)` decides whether to descend into a square, skip it or end the search.
+//   `distance2()` returns the squared distance from `at` to the nearest integer position in the square.
+// - `promise(range)` rates a square. Of its four parts, the one with the highest rating is searched first.
+// - `keeps(promise)` decides whether a part is still searched when its turn comes.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {
@@ -92,13 +90,12 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // The stack holds at most three parts of a square for each of at most 31 levels, so 128 entries suffice.
+    // At most three parts of a square for each of at most 31 levels, so 128 entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false if the search has
-    // ended.
+    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false to end the search.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);
@@ -118,8 +115,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // The search starts at the level whose squares are as wide as the circle, so the circle overlaps at most
-    // 2 x 2 squares. Most circles are small, so a search from the top of the pyramid would take longer.
+    // On the first level, squares are as wide as the circle, so the circle overlaps at most 2 x 2 of them.
+    // Most circles are small, so a search from the top of the pyramid would take longer.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

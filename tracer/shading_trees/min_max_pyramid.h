@@ -1,5 +1,5 @@
-// A raster of values, with a fast search near a position for a value below a limit. The limit decreases with
-// the distance from the position, so the searched region is a cone.
+// A raster of values, with a fast search near a position for a value below a limit.
+// The limit decreases with the distance from the position, so the searched region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -8,38 +8,37 @@
 
 namespace postlens {
 
-/// Values at integer positions. For squares of 2, 4, 8, ... positions along a side, the least and the
-/// greatest value are stored.
+/// Values at integer positions, and the least and greatest value of squares of 2, 4, 8, ... positions.
 class MinMaxPyramid {
   public:
-    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
+    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// The search region around the position `at`. It contains a value at a distance d from `at` if d <=
-    /// radius and the value is less than `top` by at least `least` and by at least slope * d.
+    /// The search region around the position `at`. It contains a value at a distance d <= radius from `at`
+    /// if the value is less than `top` by at least `least` and by at least slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The value, or the square of values, at which an earlier search of any_in or maybe_any_in ended. It is
-    /// tested first, because a nearby cone probably contains it, too. A hint from another pyramid is allowed.
+    /// Where an earlier search of any_in or maybe_any_in ended. It is tested first, because a nearby cone
+    /// probably contains it, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Returns whether the cone contains any value, several times faster than any_in if the cone is wide. The
-    /// result may also be true for a value slightly outside the cone, up to an eighth of the radius. The
-    /// result does not depend on the hint.
+    /// Returns whether the cone contains any value, several times faster than any_in for wide cones.
+    /// May also be true for a value outside the cone by up to an eighth of the radius.
+    /// The result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns an approximate maximum of the values near `at`, but at least `floor`. All values within
-    /// `radius` are included. Values within 9/8 of the radius may be included.
+    /// Returns the maximum of the values within `radius` of `at`, but at least `floor`.
+    /// Values within 9/8 of the radius may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
+    /// Returns an upper bound of greatest(at, radius, floor), from only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -54,10 +53,9 @@ class MinMaxPyramid {
         int x_first, x_last, y_first, y_last;
     };
     [[nodiscard]] int coarse_level(double radius) const;
-    /// Returns the lowest level whose squares are at least `px` wide, or the highest level if there is none.
+    /// Returns the lowest level whose squares are at least `px` wide, or else the highest level.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares, on one level of the pyramid, that overlap the bounding box of a circle. If the
-    /// box lies outside the raster, returns the nearest squares.
+    /// Returns the squares of a level that overlap the bounding box of a circle, or the nearest to it.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {

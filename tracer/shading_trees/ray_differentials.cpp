@@ -8,13 +8,12 @@ namespace {
 
 using glm::dvec3;
 
-// Solves A W = B for the 2 x 2 matrix W, where A = (a0, a1) and B = (b0, b1). All columns lie in one plane,
-// so the least-squares solution is exact.
+// Solves A W = B for the 2 x 2 matrix W, where A = (a0, a1) and B = (b0, b1).
+// All columns lie in one plane, so the least-squares solution is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // Where neighbouring eye rays converge in one point, A has no inverse and W is unbounded. Its entries are
-    // limited to 1e30, so that they are finite in float.
+    // W is unbounded where neighbouring eye rays converge. Its entries are limited to 1e30, finite in float.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
         return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);
@@ -29,8 +28,8 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
 
 RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray) {
     RayDifferentials out;
-    // `across` maps a derivative of v = forward + p_x right + p_y down to that of the ray's direction D. D is
-    // v / |v|, so its derivative is (dv - D (D . dv)) / |v|. 1 / |v| is cos_axis.
+    // Derivative of the direction D = v / |v| for a derivative dv of v = forward + p_x right + p_y down:
+    // (dv - D (D . dv)) / |v|, where 1 / |v| is cos_axis.
     const auto across = [&](const dvec3& dv) {
         return (dv - ray.direction * glm::dot(ray.direction, dv)) * ray.cos_axis;
     };

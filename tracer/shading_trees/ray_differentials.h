@@ -1,6 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to its
-// direction at the pinhole and its lens point. They give the matrix W of a node, which describes how the
-// node's image moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to
+// its direction at the pinhole and its lens point.
+// They give the matrix W, which describes how a node's image moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y). p is the tangent of
-/// the eye ray, and q is the lens point in m. Both are measured along the raster's axes (x right, y down).
+/// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y).
+/// p is the tangent of the eye ray, q the lens point in m, both along the raster's axes (x right, y down).
 struct RayDifferentials {
     std::array<glm::dvec3, 4> point{};
     std::array<glm::dvec3, 4> direction{};
@@ -26,24 +26,27 @@ struct RayDifferentials {
 void transfer(RayDifferentials& differentials, const glm::dvec3& direction, double t,
               const glm::dvec3& normal);
 
-/// Returns the differentials after reflection at a surface with the unit normal `normal`. `shape_operator` is
-/// the derivative of the normal with respect to the position, 1/m.
+/// Returns the differentials after reflection at a surface with the unit normal `normal`.
+/// `shape_operator` is the derivative of the normal with respect to the position, 1/m.
 [[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
-/// Returns the differentials after refraction. `eta` is the index of refraction in front of the surface
-/// divided by the index behind it. `normal` points against the ray. Not for total internal reflection.
+/// Returns the differentials after refraction. Not for total internal reflection.
+/// `eta` is the ratio of the refractive indices in front of and behind the surface.
+/// `normal` points against the ray.
 [[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes. X is the point that the ray hits, p
-/// the tangent of the eye ray, and q the lens point. Where neighbouring eye rays converge in one point, dX/dp
-/// has no inverse. The entries of W are then huge but finite.
+/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes.
+/// - X: point that the ray hits
+/// - p: tangent of the eye ray
+/// - q: lens point
+///
+/// Where neighbouring eye rays converge in one point, the entries of W are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that hits nothing. Such a ray has no end point X, so W is computed from the
-/// derivatives of its direction.
+/// Returns the matrix W of a ray that hits nothing, from the derivatives of its direction.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

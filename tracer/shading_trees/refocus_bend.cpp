@@ -15,26 +15,23 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps in the search for the ray from a lens point to a node. All steps use the
-// derivatives at the pinhole instead of new ones, so convergence is linear: each step reduces the error about
-// tenfold. If the search has not converged, its estimated error is added to the result.
+// Largest number of Newton steps in the search for the ray from a lens point to a node.
+// All steps use the derivatives at the pinhole, so each reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// A search computes the difference between the ray and its first-order prediction. It has converged if its
-// last step is at most `settled_px`, or its estimated error at most `settled_share` of this difference.
+// A search has converged if its last step is at most `settled_px`, or its estimated error at most
+// `settled_share` of the difference between the ray and its first-order prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// After the first Newton step, the remaining error is assumed to be this fraction of the step. After later
-// steps, it is estimated from the ratio of the last two steps.
+// Fraction of the first Newton step that is assumed to remain as an error.
+// After later steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 // Rays are first traced from the lens points (1, 0) and (0, 1), in lens radii. If both differ from their
-// first-order prediction by at most this fraction of settled_px, the lens points (-1, 0) and (0, -1) are
-// skipped.
+// prediction by at most this fraction of settled_px, (-1, 0) and (0, -1) are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a node behind them.
 constexpr int most_passed = 16;
 
-// A ray from a lens point. Its direction is adjusted until the ray reaches a given node (hit of a shading
-// tree).
+// A ray from a lens point, whose direction is adjusted until it reaches a given node.
 struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
@@ -43,13 +40,12 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    // Distance from the origin, m, at which the ray is traced further, behind the surfaces that it has passed
-    // through.
+    // Distance from the origin, m, from which the ray is traced further after passing through surfaces.
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. It is `hidden` if it hit another object or nothing. It is `lost`
-    // if it was totally reflected or if the search diverged.
+    // The ray ended before its last bounce: it hit another object or nothing (`hidden`),
+    // was totally reflected, or the search diverged (`lost`).
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -71,8 +67,8 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Processes a hit of the current ray. If the hit is on the object of the next bounce in the node's path,
-    // the ray is reflected or refracted there.
+    // Processes a hit of the current ray.
+    // On the object of the next bounce in the node's path, the ray is reflected or refracted.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -105,8 +101,7 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns the correction of the ray's tangent that makes the ray reach the target. It is computed with
-    // the derivatives at the pinhole.
+    // Returns the correction of the ray's tangent towards the target, from the derivatives at the pinhole.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -125,7 +120,7 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Traces all probes (rays from lens points) whose search has not ended, up to their last bounce.
+// Traces the rays of all unfinished searches up to their last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -155,26 +150,24 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray from a lens point. Larger tangents occur only if the Newton steps
-/// diverge or if the first-order prediction is unbounded.
+/// Greatest accepted tangent of a ray from a lens point. Larger ones occur only if the Newton steps diverge
+/// or if the first-order prediction is unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach given nodes. Computes the difference between the tangent of
-/// each ray and its first-order prediction.
+/// Finds the rays from lens points that reach given nodes, and their departures:
+/// the differences between the tangent of a ray and its first-order prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;  ///< one of its rays is lost
-    /// Per node, the greatest departure of its converged rays. The departure of a ray is the difference
-    /// between its tangent and its first-order prediction.
+    /// Per node, the greatest departure of its converged rays.
     std::vector<double> greatest;
-    /// Per node, a lower bound of the greatest departure (difference between the tangent of a ray and its
-    /// first-order prediction) of all its rays.
+    /// Per node, a lower bound of the greatest departure of all its rays.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -196,8 +189,7 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the departure of a ray, the difference between its tangent and its first-order prediction.
-    /// Infinite if the search found no ray. Must not be called if `hidden` is set.
+    /// Returns the departure of a ray. Infinite if the search found no ray. Not for a ray that is `hidden`.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -210,8 +202,7 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a node cannot be found, the result for the node is infinite, so its other rays need
-        // no search.
+        // If one ray to a node is lost, the result is infinite, so the node's other rays need no search.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -235,8 +226,7 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the greatest departure from the first-order prediction counts. The search for a ray
-            // therefore ends if another ray to the same node is known to depart more.
+            // Only the greatest departure counts, so the search ends if another ray to the node departs more.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -262,9 +252,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The departures from the first-order prediction are of second order, so they are almost equal on
-    // opposite sides of the lens. If they are small for two rays at right angles, as for most nodes, the two
-    // opposite rays are not traced.
+    // The departures are of second order, so they are almost equal on opposite sides of the lens.
+    // If they are small for two rays at right angles, as for most nodes, the opposite rays are not traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -281,8 +270,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens has reached the node. The result is then unknown and
-    // is set to infinity.
+    // Negative: no ray from the lens has reached the node, so the result is unknown.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

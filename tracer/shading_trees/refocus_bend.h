@@ -1,6 +1,6 @@
-// Measures the error of the matrix W for the image of a node behind mirrors and glass. If the lens point
-// moves by q, the image moves by -W q to first order. Rays from the outline of a lens measure the difference
-// from the true motion, which is of second order.
+// Measures the error of the matrix W for the image of a node behind mirrors and glass.
+// If the lens point moves by q, the image moves by -W q to first order.
+// Rays from the outline of a lens measure the difference from the true motion, of second order.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A node (hit of a shading tree) seen in a mirror or through glass. `target` is the point or direction that
-/// a ray from another lens point must reach after the same bounces.
+/// A node (hit of a shading tree) seen in a mirror or through glass.
+/// A ray from another lens point must reach its `target` after the same bounces.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
@@ -38,23 +38,23 @@ struct BentNode {
     Mat2 w;
 };
 
-/// Computes `w_bend` of each node, 1/m^2: the second-order motion of its image when the lens point moves. It
-/// is the largest |e| / |q|^2 over several lens points q. The vector e is the difference between the tangent
-/// of the exact ray from q to the target and its first-order prediction p - W q. Here p is the tangent of the
-/// eye ray.
+/// Computes `w_bend` of each node, 1/m^2: the second-order motion of its image when the lens point moves.
+/// It is the largest |e| / |q|^2 over several lens points q. The error e compares two tangents:
+/// that of the exact ray from q to the target, and its first-order prediction p - W q.
+/// p is the tangent of the eye ray.
 ///
-/// There are four lens points, at `radius_m` on the raster axes. The first two are at right angles. If both
-/// have an error below 0.05 px, the other two are not used. Newton's method finds the ray from each lens
-/// point to the target that bounces at the same sequence of objects. If it has not converged after five
-/// steps, the remaining error is estimated and added. Occlusion between the last bounce and the target is
-/// ignored.
+/// There are four lens points, at `radius_m` on the raster axes. The first two are at right angles.
+/// If both have an error below 0.05 px, the other two are not used.
+/// Newton's method finds the ray from a lens point that bounces at the same objects and reaches the target.
+/// If it has not converged after five steps, the remaining error is estimated and added.
+/// Occlusion between the last bounce and the target is ignored.
 ///
-/// A lens point is skipped if its ray hits another object or nothing before the last bounce. The result is
-/// infinite if all lens points are skipped, if the search does not converge, or if it ends in total internal
-/// reflection.
+/// A lens point is skipped if its ray hits another object or nothing before the last bounce.
+/// The result is infinite if all lens points are skipped, if the search does not converge, or
+/// if it ends in total internal reflection.
 ///
-/// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`. Thread-safe and
-/// deterministic.
+/// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`.
+/// Thread-safe and deterministic.
 void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
                    std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent);
 

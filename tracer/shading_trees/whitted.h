@@ -1,5 +1,5 @@
-// Whitted's recursive ray tracing [whitted1980] for a batch of point samples. All rays with the same number
-// of bounces are traced together, in packets. Every node of every shading tree becomes a record.
+// Whitted's recursive ray tracing [whitted1980] for a batch of point samples.
+// Rays with the same number of bounces are traced together. Every node of a shading tree becomes a record.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,21 @@
 namespace postlens {
 
 struct WhittedSettings {
-    /// Largest number of nodes along a path, including the primary node. Allowed values are 1 to
-    /// NodePath::max_bounces + 1.
+    /// Largest number of nodes along a path, including the primary node: 1 to NodePath::max_bounces + 1.
     int max_depth = 5;
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. For a lobe that is wider than this lens, as seen from the surface (lobe_is_wide), the
-    /// mean radiance is recorded. For any other lobe, only the radiance from the exact direction of
-    /// reflection or refraction is recorded. If 0, all lobes are averaged.
+    /// Lens radius, m. Of a lobe wider than this lens, as seen from the surface (lobe_is_wide), the mean
+    /// radiance is recorded. Of others, only the radiance from the exact direction is recorded. If 0, all
+    /// lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
 };
 
-/// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden` counts rays that
-/// continue behind a surface. `lens` counts rays from lens points that measure `w_bend`, the second-order
-/// motion of a node's image when the lens point moves.
+/// Numbers of traced rays, in the categories of the Standard Procedural Databases.
+/// `hidden` counts rays that continue behind a surface. `lens` counts rays that measure `w_bend`.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -50,8 +48,7 @@ struct RayCounts {
     }
 };
 
-/// The ray that arrives at a node after at least one bounce. A cell is subdivided if a small bright object
-/// may lie between the rays at its corners.
+/// The ray that arrives at a node after at least one bounce, used to find small bright objects between rays.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -59,8 +56,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture, the shadows and the part of the object at the surface point of a record. If one of them
-/// differs between the corners of a cell, the cell is subdivided even if the colours are equal.
+/// What a surface point shows: texture, shadows and part of the object.
+/// A cell is subdivided if one of them differs between its corners, even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -68,28 +65,30 @@ struct ColourSource {
     std::uint32_t part = 0;            ///< part of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
-/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]). They are sorted
-/// by layer (the visible surface, then hidden ones) and then by path, so the primary node is first.
+/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
+/// They are sorted by layer (visible surface, then hidden ones) and then by path, primary node first.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of its radiance (r, g, b) that has sampling noise. It consists of the means
-    /// over lobes and, in the penumbra of an area light, of the light's contribution minus its noise-free
-    /// estimate (ExtentLit::steady). Empty if no record has noise.
+    /// For each record, the part of its radiance (r, g, b) that has sampling noise:
+    /// - means over lobes
+    /// - in a penumbra of an area light, the light minus its noise-free estimate (ExtentLit::steady)
+    ///
+    /// Empty if no record has noise.
     std::vector<glm::vec3> noisy;
-    /// One entry per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor
-    /// lights.
+    /// One entry per record. Empty if the scene has no texture and no light, and WhittedSettings::parts is
+    /// null.
     std::vector<ColourSource> sources;
-    /// One entry per record, set only for nodes after a bounce. Empty if the scene has no mirror and no
-    /// glass, or nothing brighter than white.
+    /// One entry per record, set only for nodes after a bounce.
+    /// Empty if the scene has neither mirror nor glass, or nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
 class WhittedTracer {
   public:
-    /// Keeps references to the scene, the camera and all objects to which `settings` and `hidden` point. A
-    /// hidden surface is shaded as if nothing were in front of it. Recording hidden surfaces does not change
-    /// the bits of visible ones.
+    /// Keeps references to the scene, the camera and all objects to which `settings` and `hidden` point.
+    /// A hidden surface is shaded as if nothing were in front of it.
+    /// Recording hidden surfaces does not change the bits of visible ones.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -98,19 +97,18 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
-    /// close together. Thread-safe.
+    /// Traces point samples at raster positions, px. Thread-safe.
+    /// Fastest if the positions of each group of 16 are close together.
     ///
-    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. If they determine the
-    /// `w_bend` of a node (bend_around), it is not measured.
+    /// `around(i)`, if given, returns earlier samples within a pixel of positions[i].
+    /// If they determine the `w_bend` of a node (bend_around), it is not measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// `w_bend` is the second-order motion of a node's image over the lens. If it displaces the images at
-    /// nearby samples by less than this value, px, for every lens point, bend_around estimates it from them
-    /// even if they differ.
+    /// Largest image displacement, px, by `w_bend` (second-order motion over the lens) that counts as little.
+    /// bend_around then estimates `w_bend` from nearby samples even if they differ.
     static constexpr double little_bend_px = 0.125;
 
-    /// True if a material reflects or transmits, so that nodes after a bounce can occur.
+    /// True if a material reflects or transmits, so that there may be nodes after a bounce.
     [[nodiscard]] bool has_deeper_nodes() const;
     /// True if `w_bend` (Record) is measured.
     [[nodiscard]] bool measures_bends() const;

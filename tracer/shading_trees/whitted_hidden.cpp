@@ -1,5 +1,5 @@
-// Shades hidden surfaces. Each of them becomes the root of its own shading tree. Hidden surfaces are found
-// behind the hits of eye rays and of reflected and refracted rays.
+// Shades hidden surfaces behind the hits of eye rays and of reflected and refracted rays.
+// Each hidden surface becomes the root of its own shading tree.
 #include <algorithm>
 #include <cstddef>
 #include <tuple>

@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current generation (all rays with the same number of bounces). `origin` lies exactly on
-    // the surface. The copy in Embree's packet is moved slightly off the surface.
+    // A ray of the current generation (all rays with the same number of bounces).
+    // `origin` lies exactly on the surface. The ray in Embree's packet starts slightly off the surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
@@ -50,15 +50,14 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The node to which the mean over a lobe is added, with its throughput. `share` is the factor by which
-    // the mean is multiplied.
+    // The node to which the mean over a lobe is added, and `share`, the factor of this mean.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // An array whose items are filled in place, one field at a time, and reused. Building the items elsewhere
-    // and copying them took longer than shading.
+    // An array whose items are filled in place, one field at a time, and reused.
+    // Copying finished items took longer than shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -83,18 +82,17 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // chain_rays are reflected and refracted rays, and chain_hits their hits, behind which a lens may see
-        // hidden surfaces.
+        // Reflected and refracted rays with their hits, behind which a lens may see hidden surfaces.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if `w_bend` (Record) is measured. bounces[ray.differentials] lists the objects at which a
-        // ray has bounced. `bent` contains the nodes to be measured.
+        // Only if `w_bend` (Record) is measured. bounces[ray.differentials] lists the objects where a ray
+        // bounced. `bent` contains the nodes to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Hits for which several rays are averaged, over a glossy lobe (`lobes`) or over an area light
+        // Hits for which several rays are averaged: over a glossy lobe (`lobes`) or an area light
         // (`extents`). They may be at any depth of the shading tree.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
@@ -123,15 +121,14 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Exits from
-    // a glass object are not stored, because the transmitted ray finds the surfaces behind an exit anyway.
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
+    // Exits from a glass object are not stored, because the transmitted ray finds what is behind them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces the hidden surfaces that are seen in mirrors or through glass. Each of them starts its own layer
-    // of records, which does not repeat the mirror or glass.
+    // Traces the hidden surfaces that are seen in mirrors or through glass.
+    // Each of them starts its own layer of records, which does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
-    // of it.
+    // Adds a hidden surface as the root of a shading tree, shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
     // Adds a node and sets everything in it except depth, id, W and radiance.
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
@@ -153,15 +150,13 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node for the later measurement of `w_bend`, the second-order error of its matrix W, unless W
-    // is exact. `s` is null if the ray hit nothing.
+    // Stores a node for the later measurement of `w_bend`, the second-order error of W, unless W is exact.
+    // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend`, the second-order motion of a node's image over the lens, from earlier samples
-    // nearby. Nodes without an estimate remain in w.bent, to be measured.
+    // Estimates `w_bend` from earlier samples nearby. Nodes without an estimate remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the nodes to records. Nodes are ordered by their number of bounces, but records are ordered by
-    // sample, layer and path.
+    // Converts the nodes, ordered by bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 
