@@ -1,5 +1,5 @@
-// The parts of objects: the shapes of a compound object, and the connected parts of a mesh, such as leaves.
-// All parts of an object have the same id, but there may be gaps between them.
+// The parts of objects: the shapes of a compound object, or the connected parts of a mesh, such as leaves.
+// They have the same id, but there may be gaps between them.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,13 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Edges are the same if their ends have equal positions, whatever their
-/// indices. Such an edge stores the lowest index of each position. An edge of triangles 2, 5 and 9 is listed
-/// twice: for 2 and 5, and for 5 and 9.
+/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions.
+/// An edge stores the lowest index of each position.
+/// An edge of triangles 2, 5 and 9 is listed twice: for 2 and 5, and for 5 and 9.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.
-/// Triangles that are connected by edges, also through other triangles, form a part.
+/// Triangles that are connected by edges, directly or through others, form a part.
 /// Parts are numbered from 0 in the order of their first triangles. `edges` is edges_of(mesh).
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
@@ -40,11 +40,11 @@ class ObjectParts {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns parts_of the mesh of an object, or an empty list if the object is not a mesh.
+    /// Returns the parts of an object's mesh (parts_of). Empty if the object is not a mesh.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }
-    /// Returns edges_of the mesh of an object, or an empty list if the object is not a mesh.
+    /// Returns the edges of an object's mesh (edges_of). Empty if the object is not a mesh.
     [[nodiscard]] const std::vector<MeshEdge>& edges(std::size_t object) const {
         return meshes_[mesh_[object]].edges;
     }

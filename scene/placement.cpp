@@ -45,7 +45,7 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // The rotation depends only on the directions of the columns.
+    // Only the directions of the columns determine the rotation.
     // The loop below makes them perpendicular (polar decomposition).
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {

@@ -15,9 +15,8 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// A placement (translation, rotation, scale) that approximates a matrix, and its error. The error is the
-/// largest distance of a column from its approximation, divided by the longest column's length. Without
-/// shear, it is 0 except for rounding.
+/// A placement (translation, rotation, scale) that approximates a matrix, exactly if it has no shear.
+/// `error` is the largest distance between columns of both matrices, divided by the longest column's length.
 ///
 /// The rotation is the orthogonal factor of the polar decomposition [higham1986].
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.

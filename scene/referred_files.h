@@ -22,8 +22,8 @@ struct ReferredFile {
 [[nodiscard]] std::optional<std::filesystem::path> inside_scene_folder(
     const std::filesystem::path& scene_path, const std::string& as_written);
 
-/// Sets `referred` and `sha256` of a scene. The SHA-256 is that of the scene file's bytes,
-/// followed by a line for each referred file: name as written, space, SHA-256 of the file.
+/// Sets `referred` and `sha256` of a scene. The SHA-256 covers the bytes of the scene file,
+/// and a line for each referred file: its name as written, a space and its SHA-256.
 /// Throws Error(invalid_input) if a file cannot be read.
 void name_sources(std::string_view bytes, const std::vector<ReferredFile>& files, Scene& scene);
 

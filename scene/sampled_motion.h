@@ -20,7 +20,7 @@ struct SampledMotion {
 /// Others are added until the interpolated positions of `points` are within `tolerance_m` of the exact ones.
 ///
 /// A gap between two keyframes is halved if the error is too large at one of seven times within it.
-/// It is also halved if the rotation exceeds 170 degrees, whose direction two keyframes do not determine.
+/// It is also halved for a rotation above 170 degrees, whose direction two keyframes do not determine.
 /// A gap between given times is divided into at most 2^12 parts, each at least 1 microsecond long.
 /// Scales of 0 become smallest_key_scale, so that transforms can be inverted.
 [[nodiscard]] SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,

@@ -1,4 +1,5 @@
-// The scene in the form that the tracer uses: lengths in metres, scene-linear colours, no defaults left open.
+// The scene in the form that the tracer uses: lengths in metres, scene-linear colours, all defaults filled
+// in.
 #pragma once
 
 #include <cmath>
@@ -35,9 +36,10 @@ struct Material {
     /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction. If infinite,
-    /// there is only the exact direction. If a lobe is wider than the lens as seen from the surface, the
-    /// tracer records the mean radiance over it. Otherwise, it follows the exact direction.
+    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction.
+    /// If infinite, there is only the exact direction.
+    /// Over a lobe wider than the lens, as seen from the surface, the tracer records the mean radiance.
+    /// For other lobes, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -85,8 +87,7 @@ struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
 /// A cone or a cylinder. The radius changes linearly from base to apex.
-/// The texture coordinate u runs around the axis from the object's +X towards +Y (docs/scene_format.md).
-/// v runs from base to apex.
+/// The texture coordinate u runs around the axis (docs/scene_format.md), and v from base to apex.
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -145,7 +146,7 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// At most one of the next three is set, for a perspective camera.
+    /// For a perspective camera, at most one of the next three is set.
     /// `focal_length_mm` is also the film distance, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
@@ -161,7 +162,7 @@ struct Camera {
 };
 
 /// A scene in memory. A radiance of 1 is white.
-/// The light sources, emissions and background of the file are multiplied by 2^exposure_stops.
+/// Intensities, emissions, background and ambient light are multiplied by 2^exposure_stops.
 struct Scene {
     std::string name;
     std::string sha256;                           ///< SHA-256 of the file and all files to which it refers

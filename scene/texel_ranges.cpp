@@ -61,8 +61,7 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the smallest squares of which at most `most_across` lie along each edge. Level 0 is single
-    // texels.
+    // Finds the lowest level of which at most `most_across` squares lie along each edge. Level 0 is texels.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

@@ -25,10 +25,10 @@ class TexelRanges {
     /// Computes the ranges of an image `rgb` with `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last]. `rgb` must be the
-    /// array that was passed to the constructor. Outside the image, texels are repeated along x or y with
-    /// `wrap_x` or `wrap_y`, else those of the border are used. If a side is longer than 9 texels, texels up
-    /// to two fifths of the longer side outside may be included.
+    /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last].
+    /// `rgb` must be the array that was passed to the constructor.
+    /// Outside the image, `wrap_x` and `wrap_y` repeat it. Otherwise the texels of the border are used.
+    /// If a side is longer than 9 texels, texels up to two fifths of the longer side away may be included.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// A checker pattern. The cell of coordinate c is floor((c - offset) / size), computed without rounding
-/// error. The colour is `even` if the sum of the cell indices is even.
+/// A checker pattern. The colour is `even` if the sum of the cell indices is even.
+/// The cell of coordinate c is floor((c - offset) / size), without rounding error.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
     /// length of a cell, in object-space metres or in (u, v); infinite if the axis has no borders
@@ -23,8 +23,8 @@ struct Checker {
 };
 
 /// An image over the unit square of (u, v), where u points right and v points up.
-/// The image repeats along u unless `clamp_u` is set, and along v if `wrap_v` is set or `repeat.y` is not 1.
-/// Otherwise v is clamped to the first and last row, so that the poles of a sphere do not mix.
+/// - u: repeated unless `clamp_u` is set
+/// - v: repeated if `wrap_v` is set or `repeat.y` is not 1, otherwise clamped (a sphere's poles do not mix)
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
@@ -56,9 +56,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of colours of all cells or texels that overlap the bounding box of two texture
-    /// positions. Positions half an image or more apart are assumed to lie on both sides of a seam of the
-    /// texture. Only the colours at both positions are then included.
+    /// Returns the range of all colours in the bounding box of two texture positions.
+    /// If these are half an image or more apart, a seam of the texture is assumed between them.
+    /// Only the colours at both positions are then included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

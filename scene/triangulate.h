@@ -18,10 +18,10 @@ struct Triangulation {
     PolygonFault fault = PolygonFault::none;
 };
 
-/// Divides a simple polygon of at least 3 corners into triangles. It may be concave and need not be flat. A
-/// convex polygon becomes a fan about its first corner, a concave one is divided by ear clipping
-/// [meisters1975]. Corners may be collinear or repeated. Triangles without area are omitted. If `fault` is
-/// set, `triangles` is empty.
+/// Divides a simple polygon of at least 3 corners into triangles. It may be concave and need not be flat.
+/// A convex polygon becomes a fan about its first corner. Others are divided by ear clipping [meisters1975].
+/// Corners may be collinear or repeated. Triangles without area are omitted.
+/// If `fault` is set, `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);
 
 }  // namespace postlens

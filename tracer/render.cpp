@@ -57,8 +57,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The halves differ only in their seeds. These are hashed, so renders with neighbouring --seed
-            // share no half.
+            // The halves differ only in their seeds, which are hashed: renders with neighbouring --seed share
+            // no half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;

@@ -307,7 +307,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The header describes this camera. The scene below is translated so that it is the origin.
+    // The header describes this camera. The scene below is translated so that this camera is at the origin.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -361,8 +361,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree, which needs enough levels for narrow objects at every
-    // instant.
+    // All recorded instants share one quadtree, so it must suffice for the narrow objects at every instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

@@ -35,11 +35,10 @@ struct TraceSettings {
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, dB, of light that changes between two recorded instants (light_keys). Used if `keys` is
-    /// absent. The default of the method auto is 40 dB, and 43 dB is half its squared error.
+    /// absent. 43 dB is half of the squared error that 40 dB, the default of the method auto, allows.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays into the scene.
-    /// 12 dB less is four times the RMS error, which half as many instants suffice for:
-    /// the error grows with the square of the interval if the light changes smoothly.
+    /// Value of `light_db` for methods that also trace rays. 12 dB less allows four times the RMS error.
+    /// This error grows with the square of the interval, so half as many instants suffice.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces that a lens or motion reveals only in strips up to this width, px, are not recorded.
     double narrow_strip_px = HiddenLayers::invisible_px;
@@ -47,8 +46,9 @@ struct TraceSettings {
     /// Rays replace the samples of an edge's leaves, which are half a pixel to a pixel wide on each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` for `for_f_number`, else the camera's f-number, else 1.4.
-    /// With `for_f_number`, `bend_radius_m` (the lens radius for measuring `w_bend`) gets the same value.
+    /// trace_to_file sets `lens_radius_m` from an f-number: `for_f_number`, else that of the camera, else
+    /// 1.4. With `for_f_number`, `bend_radius_m` (the lens radius for measuring `w_bend`) gets the same
+    /// value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -56,21 +56,20 @@ struct TraceSettings {
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, only those are
-    /// recorded that motion in `for_shutter` or a lens of `for_f_number` may reveal.
+    /// Number of hidden surfaces recorded behind every visible one, 0 to 16.
+    /// If absent, records those that motion in `for_shutter` or a lens of `for_f_number` may reveal.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
     /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64.
-    /// The frame's own instant is always recorded, and with 1 only this one.
-    /// If absent, the number follows from the motion and the changing light. This requires `for_shutter`.
+    /// The frame's own instant is always recorded, too. With 1, it is the only one.
+    /// If absent, the motion and the changing light determine the number. This requires `for_shutter`.
     std::optional<int> keys = 1;
-    /// Automatic exposure, in stops, that is written to the file (tracer/exposure.h). If absent, none is
-    /// written.
+    /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
-    /// If set, only this share of the rows is traced (trace_share.h). The other rows contain rays that hit
+    /// If set, only this share of the rows is traced (trace_share.h). Other rows contain rays that hit
     /// nothing.
     std::optional<Share> share;
     /// If set, called before the trace with the predicted size of the file in bytes (expected_size.h).
@@ -101,7 +100,7 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
 /// Traces the scene `placed` and writes a sample file to `path`. The file appears only when it is complete.
-/// Its radiance is without the scene's exposure, which is a separate value. Throws Error.
+/// Its radiance does not include the scene's exposure, which is stored separately. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// Returns the header of a trace with these settings that records only the frame's own instant.
@@ -111,8 +110,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const
 /// Checks settings of `trace` and `render`. Throws Error(wrong_arguments) if one is out of range.
 void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s);
 
-/// Checks the shutter of `trace` or `render`. `option` is the name of the command-line option. Throws
-/// Error(wrong_arguments).
+/// Checks the shutter of `trace` or `render`. `option` is the name of the command-line option.
+/// Throws Error(wrong_arguments).
 void check_shutter(const char* option, const TimeSpan& shutter);
 
 /// Returns the camera with this name, or the first camera if the name is empty.

@@ -24,8 +24,10 @@ class GltfAccessors {
 
     /// Returns the elements of an accessor, including sparse ones. `index` must be in range.
     /// `place` is the JSON object that refers to the accessor, for error messages.
-    /// Throws Error(invalid_input) if the number of components is not one of `components`,
-    /// if elements lie outside the buffer view, or if a number is not finite.
+    /// Throws Error(invalid_input):
+    /// - if the number of components is not one of `components`
+    /// - if elements lie outside the buffer view
+    /// - if a number is not finite
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
     /// Returns the values of a SCALAR accessor of unsigned integers.

@@ -21,7 +21,7 @@ struct GltfCurve {
     std::vector<double> values;   ///< one per keyframe; cubic_spline: in-tangent, value, out-tangent
 
     /// Returns the value at a time. Rotations have unit length.
-    /// Linear curves interpolate rotations by slerp along the shorter arc. Cubic ones normalise the result.
+    /// Linear curves interpolate them by slerp along the shorter arc. Cubic curves normalise the result.
     [[nodiscard]] std::array<double, 4> at(double time_s) const;
 };
 
@@ -35,10 +35,12 @@ struct GltfNodeCurves {
     [[nodiscard]] std::vector<double> times_s() const;
 };
 
-/// Reads the curves of all animated nodes. Returns the curves by index of the node.
+/// Returns the curves of all animated nodes, by index of the node. Throws Error(invalid_input).
 /// All animations of the document play at the same time. Translations are multiplied by `metres_per_unit`.
-/// There is a note to the user for what is ignored: a second animation of the same property,
-/// animations of morph weights, and KHR_animation_pointer. Throws Error(invalid_input).
+/// There is a note to the user for what is ignored:
+/// - a second animation of the same property
+/// - animations of morph weights
+/// - KHR_animation_pointer
 [[nodiscard]] std::map<std::size_t, GltfNodeCurves> read_gltf_animations(const GltfDocument& document,
                                                                          GltfAccessors& accessors,
                                                                          double metres_per_unit,

@@ -1,5 +1,4 @@
-// A glTF 2.0 document [gltf2] with its binary data, from a .glb, or from a .gltf and the files or data URIs
-// to which it refers.
+// A glTF 2.0 document [gltf2] with its binary data, from a .glb, or from a .gltf and the files it names.
 #pragma once
 
 #include <deque>
@@ -39,8 +38,10 @@ struct GltfDocument {
 
     /// Returns the bytes of a data URI or of a file, which is added to `files`.
     /// `place` is the JSON object that contains the URI, for error messages.
-    /// Throws Error(invalid_input) for other kinds of URI, for a file that cannot be read, and
-    /// for a path out of the scene's folder.
+    /// Throws Error(invalid_input):
+    /// - for other kinds of URI
+    /// - for a file that cannot be read
+    /// - for a path out of the scene's folder
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 

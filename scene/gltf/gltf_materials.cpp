@@ -94,8 +94,7 @@ class MaterialReader {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // An emissive texture is usually black for the most part, so the surface emits nothing without
-            // it.
+            // Without it, the surface emits nothing: most of an emissive texture is usually black.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

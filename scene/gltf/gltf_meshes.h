@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// The texture coordinates that a material uses: a set of the mesh and KHR_texture_transform (v points down).
+/// The texture coordinates of a material: a set of the mesh, and KHR_texture_transform (v points down).
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};

@@ -25,7 +25,7 @@ class GltfNodes {
     /// Reads the nodes of the default scene, or of the first scene if there is no default.
     /// Parents precede their children. Translations are multiplied by `metres_per_unit`.
     /// Throws Error(invalid_input) if there is no scene, if the nodes do not form trees, or
-    /// if a node has more than 256 animated ancestors.
+    /// if more than 256 animated nodes are nested.
     GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNodeCurves> curves,
               double metres_per_unit, SceneNotes& notes);
 

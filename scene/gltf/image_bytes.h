@@ -11,7 +11,7 @@ namespace postlens {
 
 /// The values stored in an image file, four per pixel (red, green, blue, alpha), top row first.
 /// Integers are scaled to 0..1. sRGB values are not linearised.
-/// Without alpha, alpha is 1. Grey is copied to all three colours.
+/// Grey is copied to all three colours. If the file has no alpha, it is 1.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;
@@ -22,8 +22,7 @@ struct RawImage {
 inline constexpr double most_image_pixels = 1 << 26;
 
 /// Decodes a PNG, JPEG or OpenEXR file. Error messages call it `name`.
-/// Throws Error(invalid_input) if the file cannot be decoded, has more than most_image_pixels, or
-/// contains a value that is not finite.
+/// Throws Error(invalid_input) if it cannot be decoded, has more than most_image_pixels, or is not finite.
 [[nodiscard]] RawImage decode_image(std::string_view bytes, const std::string& name);
 
 /// Converts stored sRGB values to a texture with scene-linear colours.

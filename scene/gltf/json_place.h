@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested more than
-/// 128 levels deep, or has more than 4 million values. A value needs about 100 bytes of memory.
+/// Parses a document. Throws Error(invalid_input) if it is not valid JSON, nests more than 128 levels or
+/// has more than 4 million values. A value needs about 100 bytes of memory.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// A JSON value and its position in the document, such as "materials[2].emissiveFactor".

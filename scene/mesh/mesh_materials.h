@@ -16,8 +16,7 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files, a factor of Ka. It is low, because exporters write a Ka of
-/// 1.
+/// Ambient light of scenes from OBJ and PLY files, a factor of Ka. Low, because exporters write a Ka of 1.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {

@@ -155,8 +155,8 @@ class MeshReader {
         return colour;
     }
 
-    // Colours in PLY files are treated as sRGB, because scanners write sRGB. Those in OBJ files are linear,
-    // like Kd.
+    // Colours in PLY files are treated as sRGB, because scanners write sRGB.
+    // Those in OBJ files are linear, like Kd.
     static glm::vec3 screen_colour(const glm::vec3& colour) {
         glm::vec3 out = bounded_colour(colour);
         for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);

@@ -168,8 +168,7 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // The line has lost its blanks at the end. A blank after a backslash prevents that it continues the
-        // line.
+        // Without this blank, a backslash at the end of the trimmed line would continue the line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

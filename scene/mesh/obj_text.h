@@ -24,9 +24,10 @@ struct MaterialPictures {
     PictureOptions colour, emission;  ///< options of map_Kd and map_Ke
 };
 
-/// Returns the text of an OBJ file in a form in which assimp 5.2 reads every line.
-/// The result has no blanks around lines, no comments after numbers, a digit before every decimal point,
-/// and one `mtllib` line per file name.
+/// Returns the text of an OBJ file in a form in which assimp 5.2 reads every line:
+/// - no blanks around lines, and no comments after numbers
+/// - a digit before every decimal point
+/// - one `mtllib` line per file name
 [[nodiscard]] std::string rewritten_obj(std::string_view text);
 
 /// Returns the text of an MTL file without comments after numbers and without `-halo`.

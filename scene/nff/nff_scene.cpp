@@ -20,7 +20,7 @@ namespace {
 
 using glm::dvec3;
 
-// The numbers of an `f` line: R G B Kd Ks Shine T ior. The defaults replace missing numbers and lines.
+// The numbers of an `f` line: R G B Kd Ks Shine T ior. Defaults replace missing numbers or a missing line.
 using Fill = std::array<double, 8>;
 constexpr Fill default_fill{1, 1, 1, 0.8, 0, 32, 0, 1};
 

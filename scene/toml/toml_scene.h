@@ -7,8 +7,7 @@
 
 namespace postlens {
 
-/// Largest .toml scene that is read, in bytes. Parsed numbers need about fifty times the memory of their
-/// text.
+/// Largest accepted .toml scene, in bytes. Parsed numbers need about fifty times the memory of their text.
 inline constexpr std::uintmax_t largest_toml_bytes = 8'000'000;
 
 /// Reads a .toml scene and fills in all defaults. Lengths are multiplied by `options.metres_per_unit`.

@@ -67,8 +67,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The ray goes from the lens point to the point of the focus plane that the pinhole sees at the
-        // sample.
+        // The ray goes from the lens point to the point in focus that the pinhole sees at this raster
+        // position.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -76,8 +76,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns where a ray with this direction hits the image if it passes the pinhole, relative to the image
-// centre. The unit is half the image diagonal.
+// Returns the image position of a ray with this direction through the pinhole, relative to the image centre.
+// The unit is half the image diagonal.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }

@@ -31,7 +31,7 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` is the raster, projection and pose of the camera, and `camera` its motion.
+    /// `model` provides the raster, projection and pose of the camera, and `camera` its motion.
     /// An orthographic camera must have an aperture radius of 0.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
@@ -46,16 +46,13 @@ class LensCamera {
     /// Except for rounding, they equal the rays of the other overload for the same lens points.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds 16 rays with unit directions to the batch. Sets their times only if the batch has times. If
-    /// `loses_rays()`, appends each ray's transmittance to `weights`. A ray with transmittance 0 hits
-    /// nothing.
+    /// Adds 16 rays with unit directions to the batch. Sets their times only if the batch has times.
+    /// If `loses_rays()`, appends each ray's transmittance to `weights`. With 0, a ray hits nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// True if the lens may block part of the light of some rays. Otherwise add_rays leaves `weights`
-    /// unchanged.
+    /// True if the lens may block some light. Otherwise add_rays leaves `weights` unchanged.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// A ray in double precision, the reference of tests. `time` is a fraction of the shutter interval, 0 to
-    /// 1.
+    /// A ray in double precision, the reference of tests. `time` is a fraction of the shutter interval.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -63,9 +60,8 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray through the lens.
-    /// The ray for (x, y) leaves the lens at `unit`, in lens radii. The point is at distance t, m.
-    /// Not for cameras with a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, of a ray.
+    /// The ray for (x, y) leaves the lens at `unit`, in lens radii. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth of `world`, 1/m, and its two derivatives on the raster, 1/m per px.
@@ -92,9 +88,8 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray from the lens point `unit`, in lens radii, towards the raster position (x, y). It
-    /// passes the point of the focus plane that the pinhole sees there. Returns true if the aperture
-    /// transmits it.
+    /// Computes the ray for the raster position (x, y) from the lens point `unit`, in lens radii.
+    /// Returns true if the aperture transmits it.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

@@ -1,4 +1,4 @@
-// What a render computes before it traces rays: the recentred scene, the lens, the shutter and the ray scene.
+// What a render computes before it traces rays: the recentred scene, the lens, the shutter and the RayScene.
 #pragma once
 
 #include <optional>

@@ -30,8 +30,10 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the file attribute that describes the layout of the file, as JSON.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel: 3 for RGB, and for each half one count and 6 per sum.
-// A sum is three doubles. There is one per block, and `with_open` adds one for an unfinished block.
+// Returns the number of 32-bit channels per pixel:
+// - 3 for RGB
+// - per half: 1 for the sample count and 6 for each sum (three doubles)
+// A half has one sum per block, and one more for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -42,7 +44,7 @@ std::size_t words_per_pixel(const RenderState& s) {
 }
 
 /// Returns the channels of the file, one per 32-bit word of a pixel.
-/// `words` holds all pixels, and each channel points to its word of the first. If null, so are the pointers.
+/// Each channel points to its word of the first pixel in `words`, or is null if `words` is null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -143,8 +145,7 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Per pixel: sums (24 bytes each), counts (4 bytes each), a copy in the file's layout and two float
-    // images.
+    // Per pixel: sums (24 bytes each), counts (4 bytes each), a copy in the file's layout, two float images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

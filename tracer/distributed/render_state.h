@@ -13,7 +13,7 @@
 namespace postlens {
 
 /// Largest number of blocks into which the samples of a pixel are divided.
-/// It is also the largest number of parts of a render (--share), because a part consists of whole blocks.
+/// A part of a render (--share) consists of whole blocks, so it is also the largest number of parts.
 inline constexpr int most_sample_blocks = 64;
 
 /// Sums of radiance and sample counts per pixel, separate for each of up to two halves of the samples.
@@ -36,7 +36,7 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the samples of another part of the render. The order of the parts affects rounding.
+    /// Adds the samples of another part of the render. Parts must be added in order, because of rounding.
     void add(const RenderState& part);
     /// Returns the mean radiance of all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
@@ -44,8 +44,9 @@ struct RenderState {
 };
 
 /// Writes an OpenEXR file. R, G, B contain the mean radiance so far.
-/// Further channels contain the exact bits of all sums and sample counts. `settings` identifies the render.
-/// A `part_mark` that is not empty marks the file as a part of a render. Throws Error(cannot_write).
+/// Further channels contain the exact bits of all sums and sample counts.
+/// `settings` identifies the render. A non-empty `part_mark` marks the file as a part of a render.
+/// Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 

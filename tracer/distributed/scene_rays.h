@@ -12,8 +12,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// Up to `lines` rays per pixel share one stratified set of random samples. SightLine::view is the index
-    /// in it. Keeps a reference to `setup`, which must not have a lens prescription.
+    /// At most `lines` rays per pixel share one stratified set of samples. SightLine::view is the index in
+    /// it. Keeps a reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -24,7 +24,7 @@ class SceneRays : public SightRays {
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
     /// Returns how many patches (planar parts of surfaces) can be drawn in the time of one ray.
-    /// Where an image needs more patches per pixel, rays are faster. Measured on images of six scenes.
+    /// Where an image needs more patches per pixel, rays are faster. Measured on six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -118,7 +118,7 @@ POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* ar
     }
 }
 
-// Handles packets of 8 or 16 rays, which Embree uses with AVX or later. Returns false for other sizes.
+// Handles packets of 8 or 16 rays, the usual sizes with AVX or later. Returns false for other sizes.
 bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
     const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below

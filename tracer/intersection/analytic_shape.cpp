@@ -17,8 +17,8 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
 }
 
 // Returns a right-handed frame with the z axis `axis`, a unit vector.
-// Its x axis is the object's +X made perpendicular to `axis`, or +Y if `axis` is close to X.
-// The texture coordinate u is 0 along x (docs/scene_format.md).
+// The x axis, where the texture coordinate u is 0, is the object's +X made perpendicular to `axis`.
+// If `axis` is close to X, +Y is used instead.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -38,8 +38,7 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // t is measured from the ray's nearest point to the centre.
-    // This avoids cancellation if the origin of the ray is far away.
+    // t is measured from the ray's nearest point to the centre. This avoids cancellation for distant origins.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -232,9 +231,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // The normal changes only around the axis, with the angle of e = (x, y) / rho.
-            // The derivative of e is (I - e e^T) / rho, and that of the normal is this matrix divided by
-            // `norm`.
+            // e = (x, y) / rho points away from the axis. Its derivative is (I - e e^T) / rho.
+            // The derivative of the normal is this matrix divided by `norm`.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

@@ -46,7 +46,7 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Parts of a cone. The parts of a box are its faces: 2 * axis is the lower one, 2 * axis + 1 the upper one.
+/// Parts of a cone. For a box, the part is a face: 2 * axis (lower) or 2 * axis + 1 (upper).
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>

@@ -28,7 +28,7 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
 }
 
 // Estimates the largest position error, px, in a box if `taken` replaces the exact transform `truth`.
-// The error in metres is convex over the box, so it is largest at a corner.
+// The error in metres is convex, so it is largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -78,9 +78,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is how far the shape extends beyond the interpolated boxes, measured `looks` times per step.
-    // Between these instants, a bound with the second difference `bend` deviates from a straight line by bend
-    // / 8. The margin bend / 4 covers this.
+    // `excess` is how far the shape extends beyond the interpolated boxes at the tested instants.
+    // Between them, a bound may deviate by bend / 8, where `bend` is its second difference.
+    // The margin bend / 4 covers this.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

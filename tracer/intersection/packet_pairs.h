@@ -11,9 +11,8 @@ struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Computes the crossings of n = 8 or 16 rays with the shape `item`. Returns false for other n or shapes.
-/// `geometry` and `primitive` identify the shape. If a ray starts on it, the crossing at its origin is
-/// omitted.
+/// Computes the crossings of n = 8 or 16 rays with `item`, which `geometry` and `primitive` identify.
+/// If a ray starts on `item`, the crossing at its origin is omitted. Returns false for other n or shapes.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

@@ -32,7 +32,7 @@ struct Hits {
 };
 
 /// True if a new hit replaces an old one at the same distance.
-/// Without this rule, the result would depend on the order in which Embree finds the hits.
+/// The result must not depend on the order in which Embree finds the hits.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =

@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the largest coordinate is 64 times the rounding error of a float.
-    // With this offset, Embree reports no hit on a neighbouring triangle at the origin of the ray.
+    // 64 times the rounding error of a float. With this offset, Embree reports no hit on a neighbouring
+    // triangle at the origin of the ray.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -88,8 +88,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
 }
 
 // Rejects hits on instances that do not exist at the time of the ray.
-// A moving mesh has one instance for each interval between keyframes.
-// Embree 3.13 tests an occlusion packet in all intervals of its rays, so a ray may hit outside its own.
+// Embree 3.13 may report them if the rays of an occlusion packet lie in several keyframe intervals.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

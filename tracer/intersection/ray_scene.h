@@ -19,7 +19,8 @@ struct TimeSpan {
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies the primitive that a ray hits, or from which it starts and which it must not hit at its origin.
+/// Identifies a primitive: the one that a ray hits, or the one on which it starts and which it must not hit
+/// there.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -64,8 +65,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All numbers are converted before the first is stored. Otherwise the compiler reloads the array
-        // pointers.
+        // All numbers are converted first. Otherwise the compiler reloads the array pointers after each
+        // store.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -102,7 +103,7 @@ class RayScene {
     /// Throws Error(interrupted) if the user interrupts the build.
     RayScene(const Scene& scene, double time_s);
     /// Builds the scene for a shutter interval, in which every ray has its own instant.
-    /// Analytic shapes move exactly. Meshes move in linear steps, whose number `accuracy` determines.
+    /// Analytic shapes move exactly. Meshes move in linear steps, as many as `accuracy` needs.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -112,8 +113,8 @@ class RayScene {
 
     /// Finds the nearest hit of every ray. `coherent` states that the rays of each group are almost parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Computes the transmittance along the segment of each ray. A transmitting surface multiplies light by
-    /// its colour at each crossing. Rays are not refracted [whitted1980].
+    /// Computes the transmittance along the segment of each ray. Rays are not refracted [whitted1980].
+    /// A transmitting surface multiplies light by its colour at each crossing.
     void occlude(RayBatch& rays) const;
     /// Computes the hit of the ray o + t d, |d| = 1, in double precision.
     /// `t` is the distance from `intersect`, and `time` is the time of the ray, 0 to 1.
@@ -137,7 +138,7 @@ class RayScene {
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// Returns the largest distance, px, between the linear steps of moving meshes and their true motion.
+    /// Returns the largest position error, px, of moving meshes, which move in linear steps.
     /// It may exceed the tolerance, because the number of steps is limited.
     [[nodiscard]] double motion_error_px() const;
     /// Returns the Embree scene (RTCScene), for benchmarks.

@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point.
-/// Transmittances are then multiplied by adding integers, in any order with the same result.
+/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point:
+/// transmittances are multiplied by adding integers, in any order.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -102,7 +102,7 @@ struct MovingSet {
     }
 };
 
-/// Embree geometries with the callbacks that intersect the shapes of a set, which must outlive its geometry.
+/// Each creates an Embree geometry that intersects the shapes of a set. The set must outlive the geometry.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);

@@ -39,8 +39,7 @@ struct InstanceGeometry {
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the transform at the time of a ray, interpolated as in Embree so that both hit the same
-    // surface.
+    // Returns the transform at a ray's time. It is interpolated like Embree's, so both use the same surface.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 

@@ -179,8 +179,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // The derivative of the world-space normal. `linear` maps positions to the local frame,
-        // so its transpose maps normals back to world space.
+        // The derivative of the world-space normal. `linear` maps positions to the local frame.
+        // Its transpose maps normals back to world space.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

@@ -58,7 +58,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Smallest radiance of a searched image (white is 1). Its sRGB value is 1/8, a dark grey.
+/// Images up to this radiance (white is 1) are not searched. Its sRGB value is 1/8, a dark grey.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -118,8 +118,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // `position` is a point of the cell, in cell widths from its middle.
-        // To first order, its ray misses the object's centre by middle + by_cell * position, m.
+        // To first order, a ray misses the object's centre by middle + by_cell * position, m.
+        // `position` is that of the ray in the cell, in cell widths from the cell's middle.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -129,13 +129,12 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell extends from -0.5 to 0.5 cell widths. The linear model is inexact, so 0.55 is also
-        // accepted.
+        // The cell extends from -0.5 to 0.5 cell widths. The margin allows for the inexact linear model.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The image of the sphere is an ellipse, to which radius * cell_by maps the unit circle.
-        // The smaller singular value of this matrix is the ellipse's shorter semi-axis, in cell widths.
+        // The matrix radius * cell_by maps the unit circle to the image of the sphere, an ellipse.
+        // Its smaller singular value is the ellipse's shorter semi-axis, in cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

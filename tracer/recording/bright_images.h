@@ -1,5 +1,5 @@
-// Finds small bright objects seen in mirrors and glass, such as a lamp through a glass ball.
-// Rays at pixel corners may miss such an image, so quadtree cells that may contain it are subdivided.
+// Finds small bright objects seen in mirrors and glass, such as a light source through a glass ball.
+// Rays at pixel corners may miss such an image. Quadtree cells that may contain it are subdivided.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white, whose images in mirrors or glass are
-/// searched.
+/// The compact objects of a scene that are brighter than white. `wanted` finds their images in mirrors and
+/// glass.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
@@ -36,8 +36,8 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes with which no bright image in a cell of width `size_px` is missed.
-    /// `at` holds the reflected or refracted rays at the cell's corners, all after the same bounces.
+    /// Returns the cell sizes needed so that no bright image in a cell of width `size_px` is missed.
+    /// `at` holds the rays at the cell's corners, all after the same bounces.
     /// Their order is upper left, upper right, lower left, lower right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
@@ -46,7 +46,7 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a hierarchy of bounding spheres, stored depth first. It bounds objects [first, last) of
+    /// A node of a hierarchy of bounding spheres, stored depth first, for objects [first, last) of
     /// `spheres_`.
     struct Group {
         glm::dvec3 centre{0};

@@ -61,8 +61,7 @@ class CellSplit {
     /// True if the contrast between two radiances is high enough to divide a cell [mitchell1987].
     /// The formula's term 0.05 makes it insensitive to small differences between dark colours.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if a cell of similar corner colours contains an edge: of a texture, or of the shadow of one
-    /// light.
+    /// True if an edge lies between corners of similar colours: in the texture, or of a shadow.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
@@ -70,8 +69,8 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th node of the first sample, and the node of every other sample that corresponds to it.
-    /// These nodes have the same object and the same path (bounces). Empty if a sample has no such node.
+    /// Returns the n-th node of the first sample, and its counterparts in the other samples.
+    /// These have the same object and the same path (bounces). Empty if a sample has none.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the node with this path (sequence of bounces) in the shading tree of one surface.
     /// Tests the node with index `guess` first, because most corners of a cell have the same shading tree.
@@ -81,7 +80,7 @@ class CellSplit {
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// True if the texture between the samples makes contrast in the radiance of the node.
+    /// True if the texture between the samples gives the node's radiance enough contrast to divide the cell.
     /// All texture colours in the bounding box of the samples' texture positions count.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
@@ -101,8 +100,8 @@ class CellSplit {
     /// True if hidden surfaces at the corners differ so much that the cell must be divided.
     /// Only hidden surfaces after the same bounces are compared. Corners without one are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path (sequence of bounces), as bits, of the first node of the layer at record `at`.
-    /// Returns `none` if the sample has no such record.
+    /// Returns the path (sequence of bounces), as bits, of the record `at` of a sample, or `none` if there is
+    /// none.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

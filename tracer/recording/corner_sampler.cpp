@@ -57,8 +57,7 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel and appends their samples in order. All functions must be
-    // thread-safe.
+    // Traces batches of points in parallel and appends their samples in order. The functions are thread-safe.
     // - `fill(i, keys)` writes the `sizes[i]` points of batch i.
     // - `traced(index, sample)` is called for every new sample.
     // - `around(key)` returns earlier samples near a point.
@@ -134,7 +133,7 @@ class BandSampler {
         return s;
     }
 
-    // Traces the pixel corners of a band. The band above has already traced the uppermost row of corners.
+    // Traces the pixel corners of a band, except the uppermost row if the band above has traced it.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -216,8 +215,8 @@ class BandSampler {
 
     // Returns the pixels that are divided.
     // A small object or shadow may lie between a pixel's corners, most often near an edge.
-    // The centres of the pixels to the left and right of a divided pixel are therefore traced.
-    // Such a pixel is divided too if its centre differs from its corners, and so on along the row.
+    // The centres of the left and right neighbours of a divided pixel are therefore traced.
+    // A neighbour whose centre differs from its corners is divided, too.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;

@@ -34,17 +34,16 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The samples on the stripe's lower edge do not count.
-        // The pixels below them are not subdivided, so these samples need fewer bytes than others.
+        // The samples on the stripe's lower edge are not counted. They need fewer bytes than other samples,
+        // because the pixels below them are not subdivided.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // The file also contains a flat image, made from the samples at the corners above and below
-                // each row. The last row of a band is not measured, because the corners below it may belong
-                // to the next band.
+                // A row of the file's flat image is made from the samples at the corners above and below it.
+                // The corners below the last row may belong to the next band, so this row is not measured.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

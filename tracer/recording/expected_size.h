@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Returns how many of a window's `rows` rows the preview pass traces.
-/// These are 2 of every 96, at least 8 and at most 64, but never more than `rows`.
+/// Returns how many of a window's `rows` rows the preview pass traces: 2 of every 96, but 8 to 64.
+/// It is at most `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.

@@ -11,14 +11,13 @@
 
 namespace postlens {
 
-/// Returns the greatest angle, degrees, by which the camera moves around an object during the shutter
-/// interval. It is the total rotation of the direction from the object's centre to the camera, in the
-/// object's frame. It is 0 if the camera only pans or rolls about its optical axis. Ignores infinite planes,
-/// and objects whose bounding box contains the camera.
+/// Returns the greatest angle, degrees, by which the camera moves around an object, in the object's frame.
+/// It is the total rotation of the direction from the object's centre to the camera.
+/// If the camera only pans or rolls about its optical axis, it is 0.
+/// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, by which the optical axis of a perspective camera turns in the shutter
-/// interval.
+/// Returns the angle, degrees, by which the optical axis of a perspective camera turns.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
@@ -38,14 +37,14 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number, `at_least` to 64, of evenly spaced keys (recorded instants) that show all
-/// objects. A key or `recorded_s` must lie in each time span in which the bounding sphere of an object is in
-/// the frame. If keyframes scale the object, it must also have at least half of its largest size. Time spans
-/// that are too short for 64 keys are ignored.
+/// Returns the smallest number of evenly spaced keys (recorded instants) that show all objects, at most 64.
+/// It is at least `at_least`. A key or `recorded_s` must lie in each time span in which an object is in view:
+/// its bounding sphere is in the frame, and keyframes scale it to at least half of its largest size.
+/// Time spans that are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys (recorded instants) that the scene needs. These require keys:
+/// Returns the number of keys (recorded instants) that the scene needs. Keys are needed for:
 /// - turning objects: one key per `degrees_per_key`
 /// - a panning camera
 /// - objects that are in view, large or around the camera only for a short time

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images with these keys: `recorded_s`, and an instant every `between`
-    /// steps. If `between` is 0, `recorded_s` is the only key.
+    /// Returns the predicted PSNR of images for these keys: `recorded_s`, and one every `between` steps.
+    /// If `between` is 0, `recorded_s` is the only key.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))

@@ -17,13 +17,13 @@ struct LightKeys {
 };
 
 /// Returns the smallest number of evenly spaced keys with which the light reaches a PSNR of `target_db`.
-/// Every larger number must reach it too. The number is 1, 2, 3, 5, 9, 17 or 33, and 33 if none suffices.
+/// The number is 1, 2, 3, 5, 9, 17 or 33. Every larger number must suffice, too. If none does, it is 33.
 /// The instant `recorded_s` is always recorded. With 1, it is the only one.
 ///
 /// A coarse grid of rays selects points on surfaces, which are followed through the shutter interval.
 /// At 65 instants, rays from the camera find the radiance of the points in view.
-/// An image interpolates the radiance linearly between the two nearest keys.
-/// A point's error is the error of its mean over time, as an sRGB value. The PSNR is over all points.
+/// An image is assumed to interpolate it linearly between the two nearest keys.
+/// A point's error is that of its mean over time, as an sRGB value. The PSNR is computed over all points.
 ///
 /// One point represents each area light, and one direction each lobe.
 /// Shadows and reflections are therefore sharper here than in images.

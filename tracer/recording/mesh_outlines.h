@@ -1,5 +1,5 @@
-// Finds the outlines of meshes on the film. An outline that crosses a quadtree cell reveals a thin part
-// of a mesh, such as the tip of a leaf, that lies between the cell's corners.
+// Finds the outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between
+// the corners of a quadtree cell. Its outline, which crosses the cell, reveals it.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 
 namespace postlens {
 
-/// The outlines of meshes on the film: edges of only one triangle, and edges between
+/// The outlines of meshes on the film. An outline is an edge of a single triangle, or an edge between
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Limit of the average number of outline edges per pixel. The farthest of more edges are omitted.
+    /// Largest average number of outline edges per pixel. If there are more, the farthest are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
@@ -34,7 +34,7 @@ class MeshOutlines {
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
     /// Returns whether the outline of another part crosses a square in front of the part `shown`.
-    /// (x, y) is the square's upper left corner and `size` its width, px. It must lie within one pixel.
+    /// (x, y) is the square's upper left corner, and `size` its width, px. The square lies within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:

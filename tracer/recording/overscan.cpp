@@ -30,8 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns whether a surface seen outside the frame, at `at`, moves to within one sample spacing of the frame.
-// Parts of the surface between the samples may then enter the frame.
+// Returns whether a surface at `at`, outside the frame, moves to within one sample spacing of the frame.
+// Parts of it between the samples may then enter the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

@@ -10,7 +10,7 @@
 namespace postlens {
 
 /// Returns the motion of the camera, of the moving objects with their bounding spheres, and of the lights.
-/// A light at rest is included if objects move. If moving shapes share an id, the first one's motion is used.
+/// Lights at rest are included if objects move. Of shapes with one id, the first one's motion is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
 /// Returns, ascending, the ids of shapes that have the same id but different keyframes.

@@ -29,8 +29,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For a cone, half[0] is the axis, along which half[1] and half[2] vary.
-    // `ends` are their factors at centre - half[0] and centre + half[0], equal for all other shapes.
+    // For a cone, half[0] is the axis. `ends` are the factors of half[1] and half[2]
+    // at centre - half[0] and centre + half[0], equal for all other shapes.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -52,10 +52,10 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the axes of a box around all points: the smaller of two boxes, by their surface.
-/// One is parallel to the coordinate axes. The other suits flat and long objects of any direction:
-/// its first side points from the centre to the farthest point, its second side from this line to
-/// the point farthest from it.
+/// Returns the axes of a box around all points. Two boxes are tried, and the one with less surface is used.
+/// The first is parallel to the coordinate axes. The second suits flat and long objects of any direction:
+/// - first side: from the centre to the farthest point
+/// - second side: from this line to the point farthest from it
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -161,10 +161,11 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by others, h1, h2 and h3, which need not be perpendicular. Its
-// points are centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1. The images of h1 and h2 are the half axes
-// of an ellipse, the longer one first. h3 is along the line of sight. Returns the ratio of the axes of this
-// ellipse, at least 1, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate ones, h1, h2 and h3. Its points are
+// centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1.
+// - h1, h2: their images are the half axes of an ellipse, the longer one first
+// - h3: along the line of sight
+// Returns the ratio of the ellipse's longer to its shorter axis, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -199,8 +200,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece.
-/// `from` and `to` are the ends of its axis, and `half` are its half axes.
+/// Divides an object into pieces with straight axes, and calls take(from, to, half) for each.
+/// `from` and `to` are the ends of a piece's axis, and `half` are its half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -329,12 +330,12 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // A compact bright object needs small cells along its outline, so that its area in the image is accurate.
-    // An elongated object has many cells along its outline, whose errors average out.
+    // A compact bright object needs small cells along its outline for an accurate area.
+    // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. At this number, they need 1.5 times the allowed cells or more,
-    // because a piece needs at least three cells. keep_affordable() then removes a third or more of them.
+    // Limits the memory for pieces. A piece needs at least three cells, so this many pieces need 1.5 times
+    // the allowed cells. keep_affordable() then removes a third or more of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
@@ -418,8 +419,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // A piece extends up to `reach` from its axis. The cell extends by half of its diagonal, 0.7071 *
-        // size. 0.7072 allows for rounding.
+        // The cell extends by half of its diagonal, 0.7071 * size, from its centre. 0.7072 allows for
+        // rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

@@ -26,9 +26,9 @@ class SmallThings {
     /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width.
     /// At this size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
-    /// Largest size of a quadtree cell along a compact object brighter than white, as a fraction of its
-    /// width. The brightness of its circle of confusion is proportional to its area. With this fraction, the
-    /// area of a disc has an error of 1.2 % (Kendall 1948).
+    /// Largest size of a quadtree cell along a compact bright object, as a fraction of the object's width.
+    /// With this fraction, the area of a disc has an error of 1.2 % (Kendall 1948).
+    /// The brightness of its circle of confusion is proportional to this area.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
@@ -62,7 +62,7 @@ class SmallThings {
     /// They are narrower than the smallest cells, or there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the cell sizes with which no narrow object in a square is missed.
+    /// Returns the cell sizes needed so that no narrow object in a square is missed.
     /// (x, y) is the square's upper left corner and `size` its width, px.
     /// Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;

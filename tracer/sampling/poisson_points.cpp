@@ -28,7 +28,7 @@ class DartGrid {
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
         // Points closer than `distance` are at most two cells apart, because cells are at least distance / 2
-        // wide. This holds if distance <= 2 - sqrt(2), as for all patterns of two or more points.
+        // wide. This requires distance <= 2 - sqrt(2), true for two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];

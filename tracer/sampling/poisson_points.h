@@ -22,13 +22,13 @@ struct PoissonPattern {
 /// On the torus, their distances are at least `poisson_distance_share` * densest_distance(n).
 /// If there is no space for a further point, the pattern is started again.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower.
-/// At 0.7, one in a hundred random points fits as the last point. At 0.777, there is typically no space left.
+/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower:
+/// the last point fits in one of a hundred tries at 0.7, and typically in none at 0.777.
 inline constexpr double poisson_distance_share = 0.7;
 
 /// Returns n points on the circle [0, 1) with a distance of at least poisson_distance_share / n.
-/// They are distributed exactly as random points with this minimum distance:
-/// uniform points on a shorter circle, with the minimum distance inserted after each.
+/// Uniform points on a shorter circle, with the minimum distance inserted after each, have exactly
+/// the distribution of random points with this distance.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// Poisson-disc points for the samples of a pixel.

@@ -12,9 +12,8 @@
 
 namespace postlens {
 
-/// How the points of a set (SampleSet) are distributed within a pixel.
-/// Points of different sets are paired at random.
-/// With `sobol`, those for pixel, lens and time are also well distributed jointly.
+/// How the points of a set (SampleSet) are distributed within a pixel. Sets are paired at random.
+/// With `sobol`, the sets for pixel, lens and time are also well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -23,31 +22,31 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three are for an eye ray's position in pixel, lens and
-/// time. All other sets are made by `sample_set`.
+/// Identifies an independent point set. The first three are the pixel, lens and time samples of an eye ray.
+/// `sample_set` makes all others.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the point set for a purpose, such as an area light or a glossy bounce. Never a set of an eye ray.
-/// `a` and `b` are two further numbers, such as the path and the index of the light.
-/// Different arguments give different sets, except with a probability of 2^-32.
+/// Returns the point set for a purpose, such as an area light, and two further numbers, such as path and
+/// light. The result is never a set of an eye ray. Different arguments give different sets, except with a
+/// probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Returns numbers in [0, 1) that are multiples of 2^-24.
-/// They depend only on (kind, spp, seed, pixel, set, index), bit-identical for any instruction set.
+/// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on kind, spp, seed, pixel,
+/// set and index, and are bit-identical for any instruction set.
 /// The one- and two-dimensional points of a set are independent of each other.
 /// All samples of a pixel must be used, because a subset may not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;
 
-    /// `spp` is the number of samples per pixel, 1 .. max_spp. Else throws Error(wrong_arguments).
+    /// `spp` is the number of samples per pixel. Throws Error(wrong_arguments) outside 1 .. max_spp.
     /// For `poisson`, making the patterns takes up to a few tenths of a second.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 

@@ -17,7 +17,7 @@ struct StrataTask {
 };
 
 /// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal.
-/// (a + 0.5) / d is at least 0.5 / d away from any integer, so quotients of up to 2^24 are exact.
+/// (a + 0.5) / d is 0.5 / d or more away from any integer, so quotients of up to 2^24 are exact.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -25,7 +25,7 @@ struct Divisor {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
     /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24.
-    /// It is rounded up: a / d rounded up is (a + d - 1) / d rounded down.
+    /// It is rounded up, as (a + d - 1) / d rounded down.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }

@@ -9,9 +9,9 @@ namespace postlens {
 
 enum class CellPoint { centre, random };
 
-/// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20.
-/// There are round(sqrt(n)) rows, with equal numbers of cells or one more.
-/// The height of a row is proportional to its number of cells. Cells are numbered row by row.
+/// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20, numbered row by row.
+/// There are round(sqrt(n)) rows, whose numbers of cells differ by at most one.
+/// The height of a row is proportional to its number of cells.
 class Strata {
   public:
     explicit Strata(std::uint32_t n);

@@ -30,7 +30,7 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
 
 // Returns point i of the twelve that test the visibility of an area light.
 // Points 0 to 7 lie on its outline, and points 8 to 11 in its four quarters.
-// On a sphere, the outline points are rotated at random. Fixed points would always miss the same occluders.
+// On a sphere, the outline points are rotated at random. Fixed ones would always miss the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;

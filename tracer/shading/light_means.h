@@ -24,19 +24,19 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance, by which cells are subdivided.
-    /// It is the unshadowed radiance times 1 if the light is completely visible, 0 if hidden, and else 0.5.
+    /// Noise-free estimate of the radiance, by which cells are subdivided. It is the unshadowed radiance
+    /// times 1 if the light is completely visible, 0 if it is hidden, or else 0.5.
     glm::dvec3 steady{0};
 };
 
-/// Averages the radiance over an area light. First, twelve shadow rays test the visibility of the light:
-/// eight go to its outline and one to each quarter.
-/// If all twelve agree, the result is the unshadowed mean times their transmittance.
-/// Otherwise the light is divided into k^2 cells, and one jittered point of each is shaded with a shadow ray.
+/// Averages the radiance over an area light.
+/// First, twelve shadow rays test its visibility: eight to its outline and one to each quarter.
+/// If all agree, the result is the unshadowed mean times their transmittance.
+/// Otherwise the light is divided into k^2 cells. One jittered point of each is shaded with a shadow ray.
 ///
 /// k is 4 to `most_cells`, so that the standard deviation of a record is 2/255 of white (radiance 1).
-/// A straight shadow edge crosses about k cells, so this deviation is about L / (2 k^1.5).
-/// L is the unshadowed radiance. A pixel is the mean of at least four records, which halves the deviation.
+/// A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5),
+/// where L is the unshadowed radiance. A pixel, a mean of at least four records, has at most 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

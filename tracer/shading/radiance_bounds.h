@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// Returns upper bounds of radiance for shading trees of at most k nodes' depth, k = 0 to max_depth.
+/// Returns upper bounds of radiance. Element k, 0 to max_depth, is for shading trees at most k nodes deep.
 /// A bound of 1e100 or more means none, as near a light whose intensity grows without limit.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 

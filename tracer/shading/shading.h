@@ -1,5 +1,5 @@
-// Whitted's shading model [whitted1980], which all tracers use. It computes the radiance of a surface
-// along a ray, light by light, and the directions and weights of reflected and refracted rays.
+// Whitted's shading model [whitted1980], which all tracers use: the radiance of a surface along a ray,
+// light by light, and the directions and weights of reflected and refracted rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -56,8 +56,7 @@ struct Lit {
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
 
-/// Returns (1 - cosine)^5, the weight of grazing reflectance in Schlick's approximation [schlick1994, eq.
-/// 24].
+/// Returns (1 - cosine)^5, the weight of grazing reflectance [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
 /// The reflected and the refracted ray at a hit: weights, and what determines their directions.
@@ -69,16 +68,15 @@ struct Continuation {
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Returns the direction of the reflected ray, unit length.
-/// If the interpolated normal would reflect the ray into the surface, the geometric normal is used.
-/// `inwards` is then true.
+/// Returns the direction of the reflected ray, unit length. Sets `inwards` if the interpolated normal
+/// would reflect the ray into the surface. The geometric normal is then used.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
 /// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface.
-/// The lobe's width is 1 / sqrt(exponent), rad. `distance_m` is the path length to the lens.
+/// Its width is 1 / sqrt(exponent), rad, and `distance_m` is the path length to the lens.
 /// False for an infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 

@@ -27,8 +27,8 @@ struct ChainNode {
 /// Empty in these cases, because the value at `node` may then be different:
 /// - A sample has no similar node.
 /// - No similar node lies on the object of `node`.
-/// - The greatest value exceeds `little`. Exception: all four samples have a similar node on the object of
-///   `node`, and their values agree within a factor of two.
+/// - The greatest value exceeds `little`, unless all four samples have a similar node on the object of `node`
+///   with values within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

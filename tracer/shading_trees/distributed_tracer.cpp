@@ -155,7 +155,7 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // Directions of the lobe on the wrong side of the surface are mirrored, so that no light is lost.
+            // Directions on the wrong side of the surface are mirrored, so that no light is lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

@@ -1,5 +1,5 @@
-// Distributed ray tracing [cook1984]: eye rays sample the lens and the shutter interval, shadow rays
-// the area of lights, and reflected and refracted rays the lobes of rough surfaces.
+// Distributed ray tracing [cook1984]. Eye rays sample the lens and the shutter, shadow rays the area of
+// lights. Reflected and refracted rays sample the lobes of rough surfaces.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette: traces a reflected or refracted ray with a probability of its weight's largest
-    /// channel. The ray's weight is divided by this probability. This needs fewer rays but gives more noise.
+    /// Russian roulette: a reflected or refracted ray is traced with a probability of its weight's largest
+    /// channel, and its weight is divided by this probability. This needs fewer rays but gives more noise.
     bool roulette = false;
 };
 
@@ -30,7 +30,7 @@ struct EyeRays {
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
     /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1.
-    /// Reflected and refracted rays with a product below `min_contribution` are omitted.
+    /// They only serve to omit reflected and refracted rays that contribute less than `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray.
@@ -76,8 +76,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance that clamping removes from this node is added to EyeRays::left_out.
-    /// This is so for the nodes in EyeRays::left_out_of.
+    /// Returns whether EyeRays::left_out gets the radiance that clamping removes from this node.
+    /// EyeRays::left_out_of lists the nodes for which it does.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

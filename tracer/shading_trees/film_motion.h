@@ -22,8 +22,8 @@ class FilmMotion {
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, at instant i of a point of object `id`. Empty if it is behind the
-    /// camera. `point` is its world position at `from_s`, m.
+    /// Returns the raster position, px, at instant i of a point of object `id`. Empty behind the camera.
+    /// `point` is its world position at `from_s`, m.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
     /// Returns the raster position, px, at instant i of the background at infinity in `direction`.
@@ -45,15 +45,16 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving object (by id) and instant, the matrix that moves a point there from `from_s`.
+    /// For each moving object (by id) and instant, the matrix from world positions at `from_s` to those then.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// Returns the instants at which motion during a shutter interval is sampled, ascending. These are
-/// nine evenly spaced instants including both ends, `recorded_s`, and the keyframes within the interval.
-/// Of more than 32 keyframes, 32 are chosen quasi-randomly.
+/// Returns the instants at which motion during a shutter interval is sampled, ascending:
+/// - nine evenly spaced instants, including both ends
+/// - `recorded_s`
+/// - the keyframes within the interval; of more than 32, 32 are chosen quasi-randomly
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 

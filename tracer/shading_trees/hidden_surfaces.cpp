@@ -58,9 +58,9 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further: just before the last hit, because
-    // another surface may have the same position, such as a floor under a box.
-    // After a repeated hit (`beyond`), all surfaces there are known, so it is just behind the hit.
+    // Returns the distance, m, from which the ray is traced further. It is just before the last hit,
+    // because another surface may be there, too, such as a floor under a box.
+    // After a repeated hit (`beyond`), all surfaces there are known, and it is just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -96,8 +96,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // Leaves of a tree: a ray that has entered one part may meet the back of another without leaving the
-        // first.
+        // A ray that has entered one part, such as a leaf of a tree, may meet the back of another part.
+        // It has then not left the first.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -157,9 +157,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass itself,
-        // so the lens sees more of them past an edge. A hidden mirror or glass is therefore kept if the lens
-        // could see a surface at any depth on this ray.
+        // An object in a mirror or behind glass is usually deeper than the mirror or glass itself. The lens
+        // sees more of it past an edge, so mirror or glass counts as seen if a surface at any depth would be.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -175,8 +174,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if motion may uncover surface `s`: at some instant, it must have another raster position
-    // than each surface in front of it. Adds the raster positions of `s` to the chain.
+    // True if motion may uncover surface `s`. Adds the raster positions of `s` to the chain.
+    // Each surface in front of `s` must have another raster position at some instant.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

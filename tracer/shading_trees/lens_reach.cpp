@@ -120,8 +120,8 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with inverse depth
-    // `nearest`, relative to the hidden surface. It is called for three values of `nearest`:
+    // edge_for(nearest) searches for an edge of the covers within the shift of a surface relative to the
+    // hidden one. `nearest` is the inverse depth of this surface. It is, in turn:
     // - an upper bound for all surfaces close to the ray, which rejects most rays
     // - that of the covers
     // - that of a nearer surface beside the covers, which may hide their edge

@@ -27,24 +27,22 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Margin, px, around the strip of a hidden surface that the lens sees.
-    /// The position of an edge is known only up to the diagonal of a pixel, and
-    /// the strip must include the corners of all pixels that show it.
+    /// Margin, px, around the strip of a hidden surface that the lens sees:
+    /// - The position of an edge is known only up to the diagonal of a pixel.
+    /// - The strip must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// An edge is assumed where the relative shift of two surfaces' images over the lens, px, is at least
-    /// this multiple of their distance on the raster, px.
-    /// Within a plane, the shift changes this much only if no lens point sees behind the plane.
+    /// Least slope of an edge: the relative shift of two surfaces' images over the lens, px, per px of
+    /// distance. A plane has this slope only if it is so oblique that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
-    /// Largest number of bounces after which hidden surfaces are recorded. After more, they are numerous and
-    /// faint.
+    /// Largest number of bounces after which hidden surfaces are recorded. Later ones are numerous and faint.
     static constexpr int most_bounces = 2;
 
     /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
     /// Edges outside this window are not found. The result does not depend on the number of threads.
     /// Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
     ///
-    /// If the images of two surfaces shift by less than `same_place_px` relative to each other over the lens,
-    /// the surfaces are treated as one. The hidden strip would be at most this wide.
+    /// Two surfaces count as one if their images shift by less than `same_place_px` relative to each other.
+    /// The strip of the farther surface that the lens sees would be at most this wide.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
@@ -55,15 +53,14 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, at which an infinitely distant point on the ray is imaged.
+        /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray.
         /// It is 0 for an eye ray, but not after a curved mirror.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray.
-    /// `behind` is its inverse depth, 1/m. False is certain. True may be wrong.
+    /// `behind` is its inverse depth, 1/m. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns whether some lens point may see a surface at any distance behind all `covers`, on the same
-    /// ray.
+    /// Returns whether some lens point may see a surface at any distance behind all `covers`, on this ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -86,8 +83,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Lens radius, m, divided by the camera's tangent per pixel. It converts a difference of inverse depths,
-    /// 1/m, to the shift of two images, px, from the centre of the lens to its outline.
+    /// Lens radius, m, divided by the camera's tangent per pixel. A difference of inverse depths, 1/m, times
+    /// this is the shift of two images, px, from the centre of the lens to its outline.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -18,7 +18,7 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight of a ray from another hit's lobe. A small density of that lobe would cause high variance.
+// Largest weight of a ray from another hit's lobe. High weights, at small densities, cause high variance.
 constexpr double most_weight = 8;
 
 // True if two hits may share rays: the axes of their lobes differ by less than the wider lobe's width.
@@ -35,9 +35,9 @@ double window(const LobeHit& a, const LobeHit& b) {
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px.
-// Hits in this order use successive points of a stratified sequence, so nearby directions are stratified.
-// 16 bits per coordinate are enough to distinguish the hits of one batch.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px. 16 bits per coordinate
+// suffice to distinguish the hits of one batch.
+// Hits in this order use successive stratified points, so the directions of nearby hits are stratified.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -223,8 +223,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // The number of hits that share rays with this hit, weighted by `window`, estimated from every
-            // `stride`-th.
+            // Number of hits that share rays with this hit, weighted by `window`.
+            // It is estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -1,5 +1,4 @@
-// Computes the mean radiance over wide lobes of reflection and transmission.
-// The samples of a batch share the rays for these means.
+// Computes the mean radiance over wide lobes of reflection and transmission. Samples of a batch share rays.
 // A mean is almost the same from every lens point, so it is added to the surface's own record.
 #pragma once
 
@@ -34,9 +33,8 @@ struct LobeHit {
 /// Computes means of incoming radiance over lobes cos^exponent [phong1975].
 /// As in `render`, directions on the wrong side of the surface are mirrored to the right side.
 ///
-/// Hits of one object and path share rays if they lie within `reach_px` of each other and
-/// the directions of their lobes are similar. The weight of a ray of hit j in the mean of hit i is
-/// a product of two ratios [bekaert2002]:
+/// Hits of one object and path share rays if they lie within `reach_px` and their lobes are similar.
+/// The weight of a ray of hit j in the mean of hit i is a product of two ratios [bekaert2002]:
 /// - the lobe densities of i and j in the direction of the ray's end point
 /// - the squared distances of j and i to the end point
 ///
@@ -50,13 +48,12 @@ struct LobeHit {
 /// - s: standard deviation of the radiance in the first pass
 /// - f: slope of the sRGB curve at the radiance of the node
 ///
-/// The standard deviation of the image value then becomes 1/510, unless `most_rays` limits it.
+/// The standard deviation of the image value then becomes 1/510, unless `most_rays` limits the rays.
 /// The result depends only on the batch, and is bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit, which limits the time for rough metals. Their noise is then about
-    /// 4/255.
+    /// Largest number of rays per hit. It limits the time for rough metals, whose noise is then about 4/255.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.
@@ -78,7 +75,7 @@ class LobeMeans {
 };
 
 /// Returns the density of the lobe in a unit direction, relative to that of cos^exponent on its axis.
-/// The part of the lobe behind the surface is mirrored to the front, so the density there is 0.
+/// The part of the lobe behind the surface is mirrored to the front. Behind the surface, the density is 0.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -10,8 +10,7 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size`^2
-/// positions.
+/// Returns the squared distance from (x, y) to the nearest position in a square of `size` x `size`.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -95,7 +94,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false to end the search.
+    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false if the search
+    // ended.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);

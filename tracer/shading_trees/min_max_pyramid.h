@@ -20,8 +20,8 @@ class MinMaxPyramid {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// Where an earlier search of any_in or maybe_any_in ended. It is tested first, because a nearby cone
-    /// probably contains it, too. A hint from another pyramid is allowed.
+    /// The square at which an earlier search ended. It is tested first, because a nearby cone probably
+    /// contains it, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
@@ -35,8 +35,8 @@ class MinMaxPyramid {
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns the maximum of the values within `radius` of `at`, but at least `floor`.
-    /// Values within 9/8 of the radius may be included.
+    /// Returns the maximum of the values within `radius` of `at`, and at least `floor`.
+    /// Values up to 9/8 of the radius away may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// Returns an upper bound of greatest(at, radius, floor), from only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;

@@ -1,6 +1,5 @@
-// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to
-// its direction at the pinhole and its lens point.
-// They give the matrix W, which describes how a node's image moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]: derivatives of a ray with respect to
+// the eye ray's direction and the lens point. They give W, the motion of a node's image with the lens point.
 #pragma once
 
 #include <array>
@@ -13,7 +12,9 @@
 namespace postlens {
 
 /// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y).
-/// p is the tangent of the eye ray, q the lens point in m, both along the raster's axes (x right, y down).
+/// - p: tangent of the eye ray
+/// - q: lens point, m
+/// Both are along the raster's axes (x right, y down).
 struct RayDifferentials {
     std::array<glm::dvec3, 4> point{};
     std::array<glm::dvec3, 4> direction{};

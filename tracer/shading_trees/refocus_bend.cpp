@@ -24,8 +24,8 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Fraction of the first Newton step that is assumed to remain as an error.
 // After later steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays are first traced from the lens points (1, 0) and (0, 1), in lens radii. If both differ from their
-// prediction by at most this fraction of settled_px, (-1, 0) and (0, -1) are skipped.
+// Rays are first traced from the lens points (1, 0) and (0, 1), in lens radii.
+// If both differ from their prediction by at most this share of settled_px, the opposite points are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a node behind them.
@@ -44,8 +44,8 @@ struct Probe {
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce: it hit another object or nothing (`hidden`),
-    // was totally reflected, or the search diverged (`lost`).
+    // The ray ended before its last bounce. `hidden`: it hit another object or nothing.
+    // `lost`: it was totally reflected, or the search diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };

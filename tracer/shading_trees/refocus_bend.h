@@ -1,6 +1,5 @@
-// Measures the error of the matrix W for the image of a node behind mirrors and glass.
-// If the lens point moves by q, the image moves by -W q to first order.
-// Rays from the outline of a lens measure the difference from the true motion, of second order.
+// Measures the error of the matrix W for nodes behind mirrors and glass. W predicts that the image moves by
+// -W q if the lens point moves by q. Rays from the lens find the true motion.
 #pragma once
 
 #include <array>
@@ -39,9 +38,8 @@ struct BentNode {
 };
 
 /// Computes `w_bend` of each node, 1/m^2: the second-order motion of its image when the lens point moves.
-/// It is the largest |e| / |q|^2 over several lens points q. The error e compares two tangents:
-/// that of the exact ray from q to the target, and its first-order prediction p - W q.
-/// p is the tangent of the eye ray.
+/// It is the largest |e| / |q|^2 over several lens points q. The error e is the tangent of the exact ray
+/// from q to the target minus its prediction p - W q, where p is the tangent of the eye ray.
 ///
 /// There are four lens points, at `radius_m` on the raster axes. The first two are at right angles.
 /// If both have an error below 0.05 px, the other two are not used.
@@ -50,8 +48,10 @@ struct BentNode {
 /// Occlusion between the last bounce and the target is ignored.
 ///
 /// A lens point is skipped if its ray hits another object or nothing before the last bounce.
-/// The result is infinite if all lens points are skipped, if the search does not converge, or
-/// if it ends in total internal reflection.
+/// The result is infinite:
+/// - if all lens points are skipped
+/// - if the search does not converge
+/// - if it ends in total internal reflection
 ///
 /// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`.
 /// Thread-safe and deterministic.

@@ -24,9 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. Of a lobe wider than this lens, as seen from the surface (lobe_is_wide), the mean
-    /// radiance is recorded. Of others, only the radiance from the exact direction is recorded. If 0, all
-    /// lobes are averaged.
+    /// Lens radius, m. If a lobe is wider than this lens (lobe_is_wide), its mean radiance is recorded.
+    /// Otherwise, the radiance from the exact direction is recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
@@ -48,7 +47,7 @@ struct RayCounts {
     }
 };
 
-/// The ray that arrives at a node after at least one bounce, used to find small bright objects between rays.
+/// The ray that arrives at a node after at least one bounce. It serves to find small bright objects.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -66,7 +65,7 @@ struct ColourSource {
 };
 
 /// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
-/// They are sorted by layer (visible surface, then hidden ones) and then by path, primary node first.
+/// They are sorted by layer (the visible surface, then hidden ones) and then by path.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
@@ -76,8 +75,7 @@ struct TracedSamples {
     ///
     /// Empty if no record has noise.
     std::vector<glm::vec3> noisy;
-    /// One entry per record. Empty if the scene has no texture and no light, and WhittedSettings::parts is
-    /// null.
+    /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
     /// One entry per record, set only for nodes after a bounce.
     /// Empty if the scene has neither mirror nor glass, or nothing brighter than white.
@@ -104,8 +102,8 @@ class WhittedTracer {
     /// If they determine the `w_bend` of a node (bend_around), it is not measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Largest image displacement, px, by `w_bend` (second-order motion over the lens) that counts as little.
-    /// bend_around then estimates `w_bend` from nearby samples even if they differ.
+    /// Image displacement, px, by `w_bend` (second-order motion over the lens), up to which it counts as
+    /// little. bend_around then uses nearby samples even if they differ.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that there may be nodes after a bounce.

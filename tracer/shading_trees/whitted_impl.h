@@ -87,13 +87,13 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Only if `w_bend` (Record) is measured. bounces[ray.differentials] lists the objects where a ray
-        // bounced. `bent` contains the nodes to be measured.
+        // Used only if `w_bend` is measured. `bent` contains the nodes to be measured.
+        // bounces[ray.differentials] lists the objects where a ray bounced.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
         // Hits for which several rays are averaged: over a glossy lobe (`lobes`) or an area light
-        // (`extents`). They may be at any depth of the shading tree.
+        // (`extents`).
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
