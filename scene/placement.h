@@ -16,12 +16,11 @@ struct Placement {
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
 /// A placement (translation, rotation, scale) that approximates a matrix, exactly if it has no shear.
-/// `error` is the largest distance between columns of both matrices, divided by the longest column's length.
-///
 /// The rotation is the orthogonal factor of the polar decomposition [higham1986].
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
+    /// Largest distance between columns of both matrices, divided by the longest column's length.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

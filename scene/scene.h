@@ -36,10 +36,9 @@ struct Material {
     /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction.
-    /// If infinite, there is only the exact direction.
-    /// Over a lobe wider than the lens, as seen from the surface, the tracer records the mean radiance.
-    /// For other lobes, it follows the exact direction.
+    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction, or infinity.
+    /// The tracer records the mean radiance over a lobe that is wider than the lens, as seen from the
+    /// surface. Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};

@@ -19,9 +19,8 @@ void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
 /// Returns the horizontal direction from which most mesh surfaces show their outer side.
-/// For a room without a front wall, it points towards the missing wall.
-/// It is the horizontal part of the mean normal of all triangles, weighted by area.
-/// Empty if this part is shorter than 0.1 or shorter than the vertical part.
+/// It is the horizontal part of the mean normal, weighted by area: towards the missing wall of a room.
+/// Empty if this part is shorter than 0.1 or than the vertical part.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
 /// Returns true if a material reflects light from light sources: diffuse, diffuse_transmission or specular.

@@ -13,11 +13,9 @@ namespace postlens {
 void expose(Scene& scene, double stops);
 
 /// Returns the exposure, in stops, that `--exposure auto` uses.
-/// A preview of the scene, 96 px on its longer side, is traced at the default instant without exposure.
-/// Each pixel contributes its largest colour channel to auto_exposure_of (pictures/exposure.h).
-///
-/// The result depends on the aspect ratio of the image but not on its size.
-/// It is bit-identical for any number of threads. Throws the errors of find_camera and CameraModel.
+/// It applies auto_exposure_of to a preview of 96 px, traced without exposure at the default instant.
+/// The result does not depend on the image's size or on the number of threads.
+/// Throws the errors of find_camera and CameraModel.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                                          const CameraOverrides& overrides);
 

@@ -28,9 +28,9 @@ struct TraceSettings {
     /// Value of `subdivision.levels` for methods that also trace rays where the records are too coarse.
     /// docs/planner.md compares the times of other values.
     static constexpr int ray_levels = 1;
-    /// Largest angle, degrees, by which an object turns relative to the camera between two recorded instants.
-    /// Used if `keys` is absent. A turning ball shows a strip of surface that neither instant records.
-    /// At 15 degrees the strip is at most 0.9 % of the ball's radius wide (1 - cos 7.5 degrees).
+    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, without
+    /// `keys`. Neither instant records a strip of a turning ball, 0.9 % of its radius wide at 15 degrees (1 -
+    /// cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
@@ -61,9 +61,8 @@ struct TraceSettings {
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
-    /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64.
-    /// The frame's own instant is always recorded, too. With 1, it is the only one.
-    /// If absent, the motion and the changing light determine the number. This requires `for_shutter`.
+    /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64. With 1, only the frame's own is
+    /// recorded. If absent, the motion and the changing light in `for_shutter` determine it.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
@@ -81,9 +80,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of narrow objects that rays may miss because no cell corner may lie on them.
-    /// They are narrower than the smallest cells, or were omitted because there are too many.
-    /// If cells are not subdivided, all narrow objects count.
+    /// Number of narrow objects that rays may miss: narrower than the smallest cells, or too many to find
+    /// all. Without subdivision, all narrow objects count.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants

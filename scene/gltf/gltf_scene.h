@@ -5,9 +5,8 @@
 
 namespace postlens {
 
-/// Reads a .gltf or .glb with its meshes, nodes, cameras, lights, materials and animations of nodes.
-/// Every node with a mesh becomes an object with its own id. Nodes with the same mesh share its triangles.
-/// docs/mesh_scenes.md lists what is ignored (with a note to the user).
+/// Reads a .gltf or .glb. Every node with a mesh becomes an object with its own id.
+/// Nodes with the same mesh share its triangles. docs/mesh_scenes.md lists what is ignored.
 /// Throws Error(invalid_input) "FILE: PLACE ...".
 [[nodiscard]] Scene read_gltf_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 

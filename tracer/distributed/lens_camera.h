@@ -64,9 +64,9 @@ class LensCamera {
     /// The ray for (x, y) leaves the lens at `unit`, in lens radii. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth of `world`, 1/m, and its two derivatives on the raster, 1/m per px.
-    /// The derivatives are those of the tangent plane with this normal. Not for moving cameras.
-    /// All three are 0 if the pinhole sees this plane edge-on or if the camera is orthographic.
+    /// Returns the inverse depth of `world`, 1/m, and its two derivatives on the raster, 1/m per px, in the
+    /// plane with this normal. Not for moving cameras. All are 0 if the pinhole sees the plane edge-on or if
+    /// the camera is orthographic.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point: px per metre perpendicular to the optical axis.

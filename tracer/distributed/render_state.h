@@ -16,16 +16,14 @@ namespace postlens {
 /// A part of a render (--share) consists of whole blocks, so it is also the largest number of parts.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance and sample counts per pixel, separate for each of up to two halves of the samples.
-/// A sum is 3 doubles (RGB) per pixel, row-major, of radiance multiplied by the exposure.
-///
+/// Sums of radiance and sample counts per pixel, for up to two independent halves of the samples.
 /// The samples of a pixel are divided into blocks, whose sums are added in order.
-/// The result is therefore bit-identical if several runs render the blocks.
-/// A state contains either the total of all blocks (`blocks` is 1) or one sum per block.
+/// Runs that render different blocks (--share) therefore give bit-identical results.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
+    /// 3 doubles (RGB) per pixel, row-major: radiance times exposure. A total, or one sum per block.
     std::array<std::vector<double>, 2> sums;
     /// Sum of the unfinished block of samples. It is added to `sums` when the block is complete.
     /// Empty if every block is traced in one step or has its own sum (`blocks` > 1).
@@ -43,9 +41,8 @@ struct RenderState {
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file. R, G, B contain the mean radiance so far.
-/// Further channels contain the exact bits of all sums and sample counts.
-/// `settings` identifies the render. A non-empty `part_mark` marks the file as a part of a render.
+/// Writes an OpenEXR file: the mean radiance so far (R, G, B), and the exact bits of all sums and counts.
+/// `settings` identifies the render. A non-empty `part_mark` marks a part of a render.
 /// Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");

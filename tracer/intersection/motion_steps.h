@@ -28,9 +28,9 @@ struct MotionSteps {
     /// It may exceed MotionAccuracy::tolerance_px.
     double error_px = 0;
 };
-/// Returns the smallest number of steps, a power of two, that keeps the corners of `box` within the
-/// tolerance. The number is at most most_motion_steps. `box` is in object space, before `base` is applied. No
-/// keyframe of the path may lie between begin and end.
+/// Returns the smallest number of steps, a power of two, that keeps `box` within the tolerance.
+/// It is at most most_motion_steps. `box` is in object space, before `base`.
+/// No keyframe of the path may lie between begin and end.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 

@@ -36,9 +36,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes needed so that no bright image in a cell of width `size_px` is missed.
-    /// `at` holds the rays at the cell's corners, all after the same bounces.
-    /// Their order is upper left, upper right, lower left, lower right.
+    /// Returns the cell sizes needed so that no bright image in a cell of width `size_px` is missed. `at`
+    /// holds the rays at its corners after the same bounces: upper left, upper right, lower left, lower
+    /// right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

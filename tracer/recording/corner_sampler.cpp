@@ -213,9 +213,8 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided.
-    // A small object or shadow may lie between a pixel's corners, most often near an edge.
-    // The centres of the left and right neighbours of a divided pixel are therefore traced.
+    // Returns the pixels that are divided. A small object or shadow may lie between a pixel's corners,
+    // so the centres of a divided pixel's left and right neighbours are traced.
     // A neighbour whose centre differs from its corners is divided, too.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());

@@ -11,9 +11,8 @@
 
 namespace postlens {
 
-/// Returns the greatest angle, degrees, by which the camera moves around an object, in the object's frame.
-/// It is the total rotation of the direction from the object's centre to the camera.
-/// If the camera only pans or rolls about its optical axis, it is 0.
+/// Returns the greatest total angle, degrees, by which the direction from an object's centre to the camera
+/// turns in the object's frame. It is 0 if the camera only pans or rolls.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
@@ -37,10 +36,9 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants) that show all objects, at most 64.
-/// It is at least `at_least`. A key or `recorded_s` must lie in each time span in which an object is in view:
-/// its bounding sphere is in the frame, and keyframes scale it to at least half of its largest size.
-/// Time spans that are too short for 64 keys are ignored.
+/// Returns the smallest number of evenly spaced keys (recorded instants), `at_least` to 64, that show all
+/// objects. Each time span in which an object is in view must contain a key or `recorded_s`. Time spans that
+/// are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 

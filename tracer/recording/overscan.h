@@ -11,10 +11,8 @@
 namespace postlens {
 
 /// Returns the overscan, px, found by a coarse trace around the frame with one sample per 8 px.
-/// It includes each sample:
-/// - whose circle of confusion reaches the frame, or
-/// - whose visible or hidden surfaces move into the frame at an instant of `motion` (may be null).
-/// The result is at most half of the frame's longer side, and at most 4096 px.
+/// It includes every sample whose light the lens or `motion` (may be null) brings into the frame.
+/// It is at most half of the frame's longer side, and at most 4096 px.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

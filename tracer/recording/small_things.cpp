@@ -52,10 +52,8 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the axes of a box around all points. Two boxes are tried, and the one with less surface is used.
-/// The first is parallel to the coordinate axes. The second suits flat and long objects of any direction:
-/// - first side: from the centre to the farthest point
-/// - second side: from this line to the point farthest from it
+/// Returns the axes of a box around all points. Of two boxes, the one with the smaller surface is used.
+/// The first is parallel to the coordinate axes, the second suits objects of any direction.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -76,6 +74,8 @@ Axes box_around(const std::vector<glm::vec3>& points) {
         }
         return out;
     };
+    // The first side of the second box points to the farthest point, the second side from this line to
+    // the point farthest from it.
     const dvec3 first = longest([](const dvec3& v) { return v; });
     const double length = glm::length(first);
     if (!(length > 0)) return box(straight);
@@ -161,11 +161,9 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate ones, h1, h2 and h3. Its points are
-// centre + a h1 + b h2 + c h3 with a^2 + b^2 + c^2 <= 1.
-// - h1, h2: their images are the half axes of an ellipse, the longer one first
-// - h3: along the line of sight
-// Returns the ratio of the ellipse's longer to its shorter axis, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate ones. The images of the first two are the half axes
+// of an ellipse, the longer one first. The third is along the line of sight.
+// Returns the ratio of the ellipse's axes, at least 1, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};

@@ -12,8 +12,6 @@ namespace postlens {
 
 /// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`.
 /// It repeats a bijection of b-bit numbers, where 2^b >= n, until the result is less than n.
-/// Each round multiplies by an odd constant, adds a constant, and combines the number with itself
-/// shifted to the right.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {

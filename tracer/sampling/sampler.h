@@ -38,9 +38,8 @@ inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on kind, spp, seed, pixel,
-/// set and index, and are bit-identical for any instruction set.
-/// The one- and two-dimensional points of a set are independent of each other.
+/// Returns numbers in [0, 1), multiples of 2^-24. They depend only on kind, spp, seed, pixel, set and index,
+/// not on the instruction set. The 1D and 2D points of a set are independent of each other.
 /// All samples of a pixel must be used, because a subset may not be well distributed.
 class Sampler {
   public:

@@ -25,8 +25,9 @@ struct Divisor {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
     /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24.
-    /// It is rounded up, as (a + d - 1) / d rounded down.
+    /// Points have the same unit, so rounding never moves one out of its cell.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
+        // a / d rounded up is (a + d - 1) / d rounded down.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };

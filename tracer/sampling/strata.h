@@ -22,10 +22,9 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i.
-    /// With `permuted`, it is in cell p(i), where `key` selects the random permutation p.
+    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1.
+    /// Sample i is in cell i or, with `permuted`, in a cell of a random permutation that `key` selects.
     /// Samples with an index of n or more are in the cell of sample n - 1.
-    /// Points and cell edges are multiples of 2^-24, so rounding never moves a point out of its cell.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
     /// Writes one-dimensional points, one in each of n equal intervals of [0, 1). Arguments as for fill_2d.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;

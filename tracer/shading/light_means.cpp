@@ -28,8 +28,7 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the twelve that test the visibility of an area light.
-// Points 0 to 7 lie on its outline, and points 8 to 11 in its four quarters.
+// Returns point i of the twelve that test the visibility of an area light: 8 on its outline and 4 inside.
 // On a sphere, the outline points are rotated at random. Fixed ones would always miss the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
@@ -73,6 +72,9 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
+// Returns k, for which the standard deviation of a record is 2/255 of white (radiance 1).
+// A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5) for a radiance L.
+// A pixel, the mean of at least four records, then has at most 1/255.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

@@ -33,10 +33,6 @@ struct ExtentLit {
 /// First, twelve shadow rays test its visibility: eight to its outline and one to each quarter.
 /// If all agree, the result is the unshadowed mean times their transmittance.
 /// Otherwise the light is divided into k^2 cells. One jittered point of each is shaded with a shadow ray.
-///
-/// k is 4 to `most_cells`, so that the standard deviation of a record is 2/255 of white (radiance 1).
-/// A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5),
-/// where L is the unshadowed radiance. A pixel, a mean of at least four records, has at most 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

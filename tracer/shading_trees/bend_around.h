@@ -22,13 +22,12 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest `w_bend` of similar nodes in the four samples.
-/// A similar node has the same path as `node` and bounced at the same objects.
-/// Empty in these cases, because the value at `node` may then be different:
+/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest of similar nodes in the four samples.
+/// Similar nodes have the same path and bounced at the same objects.
+/// Empty if the value at `node` may be different:
 /// - A sample has no similar node.
 /// - No similar node lies on the object of `node`.
-/// - The greatest value exceeds `little`, unless all four samples have a similar node on the object of `node`
-///   with values within a factor of two.
+/// - The greatest value exceeds `little`, and the samples do not agree within a factor of two on this object.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

@@ -58,9 +58,9 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further. It is just before the last hit,
-    // because another surface may be there, too, such as a floor under a box.
-    // After a repeated hit (`beyond`), all surfaces there are known, and it is just behind the hit.
+    // Returns the distance, m, from which the ray is traced further: just before the last hit, because
+    // another surface may be there, too, such as a floor under a box.
+    // After a repeated hit (`beyond`), it is just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;

@@ -65,7 +65,6 @@ struct HiddenHit {
 };
 
 /// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer.
-/// The exit from a solid part that the ray has entered does not count as a surface.
 /// The background behind the last surface is added with the key `none` if it may be visible.
 /// Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,

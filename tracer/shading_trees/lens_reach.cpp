@@ -120,14 +120,13 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // edge_for(nearest) searches for an edge of the covers within the shift of a surface relative to the
-    // hidden one. `nearest` is the inverse depth of this surface. It is, in turn:
-    // - an upper bound for all surfaces close to the ray, which rejects most rays
-    // - that of the covers
-    // - that of a nearer surface beside the covers, which may hide their edge
+    // edge_for(nearest) searches for an edge of the covers, as far as the image of a surface with the
+    // inverse depth `nearest` shifts relative to the hidden one.
     const double radius = k * (covers.nearest - behind) + margin_px;
+    // An upper bound for all surfaces close to the ray rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;
+    // A nearer surface beside the covers may hide their edge.
     const double nearer = seen.greatest(covers.at, radius, covers.nearest);
     return nearer > covers.nearest && edge_for(nearer);
 }

@@ -38,11 +38,8 @@ class LensReach {
     static constexpr int most_bounces = 2;
 
     /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
-    /// Edges outside this window are not found. The result does not depend on the number of threads.
     /// Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
-    ///
-    /// Two surfaces count as one if their images shift by less than `same_place_px` relative to each other.
-    /// The strip of the farther surface that the lens sees would be at most this wide.
+    /// Surfaces whose images shift by less than `same_place_px` relative to each other count as one.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 

@@ -77,10 +77,10 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 }
 
 // Searches the values within `radius` of `at`, depth-first. A square of level 0 is a single value.
-// - `visit(range, square, distance2)` decides whether to descend into a square, skip it or end the search.
-//   `distance2()` returns the squared distance from `at` to the nearest integer position in the square.
-// - `promise(range)` rates a square. Of its four parts, the one with the highest rating is searched first.
-// - `keeps(promise)` decides whether a part is still searched when its turn comes.
+// - `visit(range, square, distance2)`: descend into a square, skip it or end the search
+// - `promise(range)`: rating of a square, the highest of four is searched first
+// - `keeps(promise)`: whether a square is still searched when its turn comes
+// `distance2()` is the squared distance from `at` to the nearest integer position in the square.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {
