@@ -24,8 +24,8 @@ struct MeshEdge {
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.
-/// Triangles that are connected by edges, directly or through others, form a part.
-/// Parts are numbered from 0 in the order of their first triangles. `edges` is edges_of(mesh).
+/// A part is a set of triangles that are connected by edges, `edges_of(mesh)`.
+/// Parts are numbered from 0 in the order of their first triangles.
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
 /// The parts of all objects of a scene, each with its own index.

@@ -17,7 +17,7 @@ struct ReferredFile {
     std::filesystem::path path;
 };
 
-/// Returns the path of a file that a scene names relative to its folder. The file need not exist.
+/// Returns the path of a file that a scene names relative to its folder. It need not exist.
 /// Empty if the path leads out of this folder, also by symbolic links.
 [[nodiscard]] std::optional<std::filesystem::path> inside_scene_folder(
     const std::filesystem::path& scene_path, const std::string& as_written);

@@ -24,7 +24,7 @@ struct Bounds {
 };
 
 /// Returns the axis-aligned bounding box of the shape in the world, in metres, tight except for rounding.
-/// It is infinite along all axes for a plane, and empty for an empty mesh.
+/// It is infinite for a plane, and empty for an empty mesh.
 [[nodiscard]] Bounds shape_bounds(const Shape& shape, const glm::dmat4& world_from_object);
 
 }  // namespace postlens

@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders the image in tiles, and each tile in rounds of a few samples per pixel.
-// The radiance is always added in the same order, so threads and interruptions do not change the result.
+// The radiance is always added in the same order, so threads and interruptions change nothing.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -226,8 +226,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s.
-            // Shorter slices waste time on starting loops. Longer ones delay stopping and saving.
+            // A slice is the group of tiles of one parallel loop. It should take 0.1 to 0.4 s.
+            // Shorter loops waste time on starting. Longer ones delay stopping and saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

@@ -28,9 +28,9 @@ struct TraceSettings {
     /// Value of `subdivision.levels` for methods that also trace rays where the records are too coarse.
     /// docs/planner.md compares the times of other values.
     static constexpr int ray_levels = 1;
-    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, without
-    /// `keys`. Neither instant records a strip of a turning ball, 0.9 % of its radius wide at 15 degrees (1 -
-    /// cos 7.5 degrees).
+    /// Largest turn, degrees, of an object relative to the camera between two recorded instants if `keys` is
+    /// absent. Neither instant records a strip of a turning ball: at 15 degrees, 0.9 % of its radius (1 - cos
+    /// 7.5 degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
@@ -42,8 +42,8 @@ struct TraceSettings {
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces that a lens or motion reveals only in strips up to this width, px, are not recorded.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Value of `narrow_strip_px` for methods that also trace rays into the scene.
-    /// Rays replace the samples of an edge's leaves, which are half a pixel to a pixel wide on each side.
+    /// Value of `narrow_strip_px` for methods that also trace rays.
+    /// Rays replace the leaves of edges, which are half a pixel to a pixel wide on each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets `lens_radius_m` from an f-number: `for_f_number`, else that of the camera, else
@@ -80,8 +80,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of narrow objects that rays may miss: narrower than the smallest cells, or too many to find
-    /// all. Without subdivision, all narrow objects count.
+    /// Number of narrow objects that rays may miss, because they are narrower than the smallest cells or too
+    /// many. Without subdivision, all narrow objects count.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
@@ -97,8 +97,8 @@ struct TraceResult {
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces the scene `placed` and writes a sample file to `path`. The file appears only when it is complete.
-/// Its radiance does not include the scene's exposure, which is stored separately. Throws Error.
+/// Traces the scene `placed` and writes a sample file to `path`, which appears only when it is complete.
+/// The scene's exposure is stored separately from the radiance. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// Returns the header of a trace with these settings that records only the frame's own instant.

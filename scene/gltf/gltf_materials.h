@@ -15,9 +15,8 @@ struct GltfMaterials {
     std::vector<UvSource> uvs;        ///< for each material, the texture coordinates of its textures
 };
 
-/// Reads all materials and converts them to Whitted's model (scene/metallic_roughness.h).
-/// A texture of metallic, roughness or transmission is replaced by its mean.
-/// There is a note to the user for everything that is ignored. Throws Error(invalid_input).
+/// Reads all materials and converts them to Whitted's model, with notes on what is ignored.
+/// Textures of metallic, roughness or transmission are replaced by their means. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

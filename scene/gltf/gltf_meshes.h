@@ -25,8 +25,7 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Returns the primitives of mesh `index` that have triangles. Positions are in metres.
-/// Points, lines, triangles without area and morph targets are ignored, with a note to the user.
+/// Returns the primitives of mesh `index` that have triangles, in metres, with notes on what is ignored.
 /// `uvs` holds the texture coordinates of each material. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,

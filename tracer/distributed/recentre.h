@@ -5,8 +5,8 @@
 
 namespace postlens {
 
-/// Returns the scene with all objects, motions, lights and cameras translated by -origin.
-/// Rays are floats, whose rounding errors far from the origin would exceed the size of a small lens.
+/// Returns the scene with all its contents translated by -origin.
+/// Far from the origin, rounding errors of float rays would exceed the size of a small lens.
 [[nodiscard]] Scene recentred(Scene scene, const glm::dvec3& origin);
 
 }  // namespace postlens

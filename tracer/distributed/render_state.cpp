@@ -44,7 +44,7 @@ std::size_t words_per_pixel(const RenderState& s) {
 }
 
 /// Returns the channels of the file, one per 32-bit word of a pixel.
-/// Each channel points to its word of the first pixel in `words`, or is null if `words` is null.
+/// Each channel points to its word of the first pixel, or is null if `words` is null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {

@@ -13,7 +13,7 @@
 namespace postlens {
 
 /// Largest number of blocks into which the samples of a pixel are divided.
-/// A part of a render (--share) consists of whole blocks, so it is also the largest number of parts.
+/// It is also the largest number of parts (--share), because a part consists of whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
 /// Sums of radiance and sample counts per pixel, for up to two independent halves of the samples.
@@ -26,7 +26,7 @@ struct RenderState {
     /// 3 doubles (RGB) per pixel, row-major: radiance times exposure. A total, or one sum per block.
     std::array<std::vector<double>, 2> sums;
     /// Sum of the unfinished block of samples. It is added to `sums` when the block is complete.
-    /// Empty if every block is traced in one step or has its own sum (`blocks` > 1).
+    /// Empty if blocks are traced in one step or have their own sums.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -53,15 +53,13 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render (--share). Empty if the file is not such a part.
-/// With `facts_only`, reads only size, number of halves and exposure.
-/// Throws Error(invalid_input) if the part is damaged.
+/// Reads a part of a render (--share), or with `facts_only` only its size, halves and exposure.
+/// Empty if the file is no such part. Throws Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file that write_state has written with the same `settings`.
-/// The caller must construct `state` with the size and `halves` of the render.
-/// Throws Error(invalid_input) if the file is damaged, has other settings or is not from write_state.
+/// Reads a file that write_state has written. `state` must have the size and `halves` of the render.
+/// Throws Error(invalid_input) if the file is damaged, has other `settings` or is another.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

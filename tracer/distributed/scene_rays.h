@@ -24,7 +24,7 @@ class SceneRays : public SightRays {
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
     /// Returns how many patches (planar parts of surfaces) can be drawn in the time of one ray.
-    /// Where an image needs more patches per pixel, rays are faster. Measured on six scenes.
+    /// Rays are faster where an image needs more per pixel. Measured on six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -16,9 +16,8 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// Returns a right-handed frame with the z axis `axis`, a unit vector.
-// The x axis, where the texture coordinate u is 0, is the object's +X made perpendicular to `axis`.
-// If `axis` is close to X, +Y is used instead.
+// Returns a right-handed frame with the z axis `axis`, a unit vector. u is 0 along its x axis:
+// the object's +X made perpendicular to `axis`, or +Y if `axis` is close to X.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));

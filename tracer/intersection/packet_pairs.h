@@ -6,7 +6,7 @@
 namespace postlens {
 
 /// The distances of the first and last crossing of a shape, per ray. A missing crossing is infinite.
-/// The operations have the order of the scalar code, so the results are bit-identical.
+/// The operations are in the order of the scalar code, so results are bit-identical.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };

@@ -88,7 +88,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
 }
 
 // Rejects hits on instances that do not exist at the time of the ray.
-// Embree 3.13 may report them if the rays of an occlusion packet lie in several keyframe intervals.
+// Embree 3.13 may report them for occlusion packets that span several keyframe intervals.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

@@ -1,5 +1,5 @@
 // A scene prepared for ray tracing, at one instant or for a shutter interval.
-// Embree finds the hit primitive in single precision. The hit point is then computed in double precision.
+// Embree finds hits in single precision. They are then computed again in double precision.
 #pragma once
 
 #include <cstdint>
@@ -117,7 +117,7 @@ class RayScene {
     /// A transmitting surface multiplies light by its colour at each crossing.
     void occlude(RayBatch& rays) const;
     /// Computes the hit of the ray o + t d, |d| = 1, in double precision.
-    /// `t` is the distance from `intersect`, and `time` is the time of the ray, 0 to 1.
+    /// `t` is the result of `intersect`, and `time` that of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
     /// Computes only the object, the texture position and the distance of the hit. Faster than `surface`.

@@ -97,7 +97,7 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
     // `base` maps directions to the local frame, so its transpose (n * base) maps normals back.
-    // The motion scales and then rotates, so normals are divided by the scale and rotated.
+    // The motion scales, then rotates. Normals are divided by the scale and rotated.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }

@@ -13,7 +13,7 @@ struct SphereF {
     float x, y, z, r2;
 };
 
-/// Computes both crossings of N rays with a sphere. If a ray misses the sphere, near > far.
+/// Computes both crossings of N rays with a sphere. If a ray misses it, near > far.
 /// Distances are measured from the ray's nearest point to the centre, to avoid cancellation.
 template <int N>
 [[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,

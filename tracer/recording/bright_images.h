@@ -1,5 +1,5 @@
-// Finds small bright objects seen in mirrors and glass, such as a light source through a glass ball.
-// Rays at pixel corners may miss such an image. Quadtree cells that may contain it are subdivided.
+// Finds small bright objects seen in mirrors and glass, which rays at pixel corners may miss.
+// Quadtree cells that may contain such an image are subdivided.
 #pragma once
 
 #include <array>

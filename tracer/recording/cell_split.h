@@ -31,7 +31,7 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns whether the visible surface at the centre of the cell differs from those at its corners.
+    /// Returns whether the visible surface at the cell's centre differs from those at its corners.
     /// The cell must then be divided. `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// A RecordMark to set on a record, which is given by its index in its chunk.
@@ -46,8 +46,8 @@ class CellSplit {
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// The shading tree of one visible or hidden surface of a sample. `rgb` is the radiance of the whole
-    /// tree. Its nodes are the records [first, first + count) of `chunk`, sorted by path.
+    /// The shading tree of one visible or hidden surface of a sample. `rgb` is its radiance.
+    /// Its nodes are the records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -69,11 +69,11 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th node of the first sample, and its counterparts in the other samples.
-    /// These have the same object and the same path (bounces). Empty if a sample has none.
+    /// Returns the n-th node of the first sample, and its counterparts in the others: the nodes
+    /// with the same object and path (bounces). Empty if a sample has none.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the node with this path (sequence of bounces) in the shading tree of one surface.
-    /// Tests the node with index `guess` first, because most corners of a cell have the same shading tree.
+    /// Tests the node `guess` first, because most corners of a cell have the same tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -95,7 +95,7 @@ class CellSplit {
     /// True if all corners show the same part of an object, but another part's outline passes in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass.
-    /// `s` holds the shading trees of the visible surfaces at its corners.
+    /// `s` holds the shading trees at its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     /// True if hidden surfaces at the corners differ so much that the cell must be divided.
     /// Only hidden surfaces after the same bounces are compared. Corners without one are ignored.

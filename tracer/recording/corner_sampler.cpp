@@ -18,7 +18,7 @@ namespace postlens {
 namespace {
 
 // A band is a group of pixel rows whose records are in memory at the same time.
-// Each thread traces squares of `tile` x `tile` px. Two rows of squares are enough work for all threads.
+// Two rows of squares of `tile` x `tile` px are enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
@@ -323,7 +323,7 @@ class BandSampler {
     }
 
     // Returns the samples at the four corners of the pixel that contains a point.
-    // A point on the lower edge of the band belongs to the pixel above, whose corners are already traced.
+    // A point on the band's lower edge belongs to the pixel above, which is already traced.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -13,8 +13,7 @@ namespace postlens {
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.
-/// Evenly spaced pairs of rows are traced and compressed as in the file.
-/// Their size is extrapolated to all rows and to `instants` recorded instants.
+/// It is extrapolated from evenly spaced pairs of rows to all rows and recorded instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

@@ -94,8 +94,8 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether part of a moving sphere is in front of the camera and between the planes of the frame's
-// edges. `centre` and `radius_m` describe the sphere before the motion `pose`.
+// Returns whether part of a moving sphere is in front of the camera and between the frame's edges.
+// `centre` and `radius_m` describe it before the motion `pose`.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),

@@ -20,7 +20,7 @@ namespace postlens {
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
-/// A panning camera needs one key (recorded instant) per such angle to record all that it shows.
+/// A panning camera needs one key (recorded instant) per such angle.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -51,12 +51,12 @@ struct KeyCount {
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
 
-/// Returns the number of keys (recorded instants) for an object or camera that turns by `sweep_degrees`.
+/// Returns the number of keys (recorded instants) for a turn by `sweep_degrees`.
 /// It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
-/// Returns `count` evenly spaced instants of the shutter interval, ascending, including both ends.
-/// Omits an instant that equals the frame's own, `frame_s`, which is always recorded. Empty if `count` is 1.
+/// Returns `count` evenly spaced instants of the shutter interval, ascending, or none if `count` is 1.
+/// Omits the frame's own instant, `frame_s`, which is always recorded.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

@@ -217,7 +217,7 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
     // The search starts with the most keys and stops at the first number that misses the target.
-    // With few keys, errors may cancel: two keys give the right mean of a light switched on halfway.
+    // With few keys, errors may cancel, as for a light that is switched on halfway.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

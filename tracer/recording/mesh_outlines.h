@@ -1,5 +1,5 @@
-// Finds the outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between
-// the corners of a quadtree cell. Its outline, which crosses the cell, reveals it.
+// Finds the outlines of meshes on the film. They reveal parts that lie between the corners of
+// a quadtree cell, such as the tip of a leaf.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// The outlines of meshes on the film. An outline is an edge of a single triangle, or an edge between
+/// The outlines of meshes on the film: edges of a single triangle, and edges between
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:

@@ -332,8 +332,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. A piece needs at least three cells, so this many pieces need 1.5 times
-    // the allowed cells. keep_affordable() then removes a third or more of them.
+    // Limits the memory for pieces. As each needs three or more cells, these need 1.5 times the allowed
+    // cells. keep_affordable() then removes a third or more of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

@@ -1,5 +1,5 @@
-// Finds objects so narrow on the film that they may lie between pixel corners, such as hairs and wires.
-// The scene gives their positions. Cells near them are subdivided until a corner must hit them.
+// Finds objects so narrow on the film that rays at pixel corners may miss them, such as hairs.
+// Cells near these objects are subdivided until a corner must hit them.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// Narrow objects that are seen directly, and bright objects that are seen in mirrors and glass (`images`).
-/// Each part of a mesh counts as a separate object. Planes and wide parts are not included.
+/// Narrow objects that are seen directly, and bright objects in mirrors and glass (`images`).
+/// Each part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
     /// Width, px, up to which an object is narrow. A wider object cannot lie between the corners of a pixel.
@@ -27,8 +27,7 @@ class SmallThings {
     /// At this size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
     /// Largest size of a quadtree cell along a compact bright object, as a fraction of the object's width.
-    /// With this fraction, the area of a disc has an error of 1.2 % (Kendall 1948).
-    /// The brightness of its circle of confusion is proportional to this area.
+    /// The area of a disc, and so the brightness of its blur, then has an error of 1.2 % (Kendall 1948).
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;

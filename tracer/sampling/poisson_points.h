@@ -18,22 +18,19 @@ struct PoissonPattern {
 /// It is sqrt(2 / (sqrt(3) n)).
 [[nodiscard]] double densest_distance(int n);
 
-/// Returns exactly n points, where n is 1 to 1024, found by trying random points.
-/// On the torus, their distances are at least `poisson_distance_share` * densest_distance(n).
-/// If there is no space for a further point, the pattern is started again.
+/// Returns n random points on the torus, where n is 1 to 1024.
+/// Their distances are at least `poisson_distance_share` * densest_distance(n).
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
 /// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower:
 /// the last point fits in one of a hundred tries at 0.7, and typically in none at 0.777.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n points on the circle [0, 1) with a distance of at least poisson_distance_share / n.
-/// Uniform points on a shorter circle, with the minimum distance inserted after each, have exactly
-/// the distribution of random points with this distance.
+/// Returns n random points on the circle [0, 1) with distances of at least poisson_distance_share / n.
+/// These are uniform points on a shorter circle, with this distance inserted after each.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
-/// Poisson-disc points for the samples of a pixel.
-/// A pixel uses one of `patterns` patterns, with a random shift on the torus and in random order.
-/// More than 1024 samples are divided into independent blocks of almost equal size.
+/// Poisson-disc points for the samples of a pixel: one of `patterns` patterns, shifted and in random order.
+/// More than 1024 samples are divided into blocks of almost equal size.
 class PoissonPoints {
   public:
     static constexpr int patterns = 8;

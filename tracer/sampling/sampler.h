@@ -53,7 +53,7 @@ class Sampler {
     [[nodiscard]] int spp() const { return spp_; }
 
     /// Writes samples [first, first + count) of a pixel. `count` is 1 .. 16, and first + count <= spp.
-    /// `pixel` is any 32-bit number. Fastest if `count` is 16 and `first` is a multiple of 16.
+    /// Fastest if `count` is 16 and `first` is a multiple of 16.
     void fill_2d(std::uint32_t pixel, SampleSet set, int first, int count, float* u, float* v) const;
     void fill_1d(std::uint32_t pixel, SampleSet set, int first, int count, float* u) const;
 

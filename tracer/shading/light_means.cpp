@@ -55,7 +55,7 @@ double extent_angle(const ExtentLit& p) {
 }
 
 // Returns the mean over the light of the radiance that the surface reflects, without shadows.
-// The light is divided into smaller cells until the mean settles and a cell is narrower than the highlight.
+// Cells shrink until the mean settles and they are narrower than the highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));

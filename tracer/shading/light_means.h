@@ -1,5 +1,5 @@
-// Computes the radiance that a surface point reflects from an area light, averaged over the light's area.
-// A record can store this mean, because a penumbra looks the same from every lens point.
+// Computes the radiance that a surface point reflects from an area light, averaged over its area.
+// A record can store this mean: a penumbra looks the same from every lens point.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance, by which cells are subdivided. It is the unshadowed radiance
+    /// Noise-free estimate of the radiance, by which cells are subdivided: the unshadowed radiance
     /// times 1 if the light is completely visible, 0 if it is hidden, or else 0.5.
     glm::dvec3 steady{0};
 };

@@ -155,9 +155,8 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation needs the angle in the medium with the smaller index of refraction.
-        // For a ray that leaves the denser medium, this is the angle of the refracted ray.
-        // An opaque material is treated as seen from outside.
+        // Schlick's approximation needs the angle in the medium with the smaller index of refraction:
+        // that of the refracted ray, if the ray leaves the denser medium.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);

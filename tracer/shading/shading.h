@@ -75,9 +75,8 @@ struct Continuation {
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
-/// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface.
-/// Its width is 1 / sqrt(exponent), rad, and `distance_m` is the path length to the lens.
-/// False for an infinite exponent.
+/// True if the lobe cos^exponent is wider than the lens, as seen from the surface.
+/// Its width is 1 / sqrt(exponent), rad. `distance_m` is the path length to the lens.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

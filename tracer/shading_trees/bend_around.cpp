@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 /// Returns the record with this path (sequence of bounces) in `layer`, else in layer 0, else null.
-/// The mirror or glass in front of a reflected or refracted hidden surface is recorded only in layer 0.
+/// A mirror or glass in front of a hidden surface is recorded only in layer 0.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {

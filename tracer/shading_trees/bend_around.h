@@ -1,5 +1,5 @@
-// Estimates `w_bend` of a node from samples around it, without tracing rays from several lens points.
-// `w_bend` is the second-order motion of the node's image when the lens point moves. W is the first order.
+// Estimates `w_bend` of a node from samples around it, which saves rays.
+// `w_bend` is the second-order motion of the node's image over the lens. W is the first order.
 #pragma once
 
 #include <array>

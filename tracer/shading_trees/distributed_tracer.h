@@ -34,7 +34,7 @@ struct EyeRays {
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray.
-    /// Needed only with `less`, which decides by this position whether a node is clamped.
+    /// `less` decides by this position whether a node is clamped.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.

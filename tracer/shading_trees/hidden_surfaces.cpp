@@ -157,8 +157,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object in a mirror or behind glass is usually deeper than the mirror or glass itself. The lens
-        // sees more of it past an edge, so mirror or glass counts as seen if a surface at any depth would be.
+        // A lens sees more of an object in a mirror or behind glass past an edge, because it is deeper.
+        // The mirror or glass therefore counts as seen if a surface at any depth would be.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

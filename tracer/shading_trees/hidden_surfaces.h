@@ -1,5 +1,5 @@
 // Finds hidden surfaces: those that an eye ray would hit next if it passed through its first hit.
-// A wide lens sees them past edges, and an open shutter after the object in front has moved away.
+// A wide lens sees them past edges, and an open shutter after motion.
 #pragma once
 
 #include <cstdint>

@@ -80,8 +80,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Lens radius, m, divided by the camera's tangent per pixel. A difference of inverse depths, 1/m, times
-    /// this is the shift of two images, px, from the centre of the lens to its outline.
+    /// Lens radius, m, divided by the camera's tangent per pixel. It converts a difference of inverse depths
+    /// to the shift of two images, px, from the centre of the lens to its outline.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -27,17 +27,16 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight of the rays of hit b in the mean of hit a. It is 1 at distance 0.
-// It decreases to 0 at distance `reach_px`, so that the mean is continuous over the image.
+// Returns the weight of the rays of hit b in the mean of hit a. It decreases from 1 at distance 0
+// to 0 at `reach_px`, so that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px. 16 bits per coordinate
-// suffice to distinguish the hits of one batch.
-// Hits in this order use successive stratified points, so the directions of nearby hits are stratified.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px.
+// Nearby hits get successive stratified points. 16 bits per coordinate suffice for a batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;

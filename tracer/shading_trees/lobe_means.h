@@ -26,7 +26,7 @@ struct LobeHit {
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
     /// Throughput times the radiance of this node that does not come from its lobes.
-    /// Noise in a mean is less visible on a brighter node, so fewer rays are traced there.
+    /// Noise is less visible on a brighter node, so it gets fewer rays.
     glm::dvec3 beside{0};
 };
 

@@ -115,7 +115,7 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // On the first level, squares are as wide as the circle, so the circle overlaps at most 2 x 2 of them.
+    // On this level, the circle overlaps at most 2 x 2 squares.
     // Most circles are small, so a search from the top of the pyramid would take longer.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);

@@ -28,9 +28,8 @@ class MinMaxPyramid {
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Returns whether the cone contains any value, several times faster than any_in for wide cones.
-    /// May also be true for a value outside the cone by up to an eighth of the radius.
-    /// The result does not depend on the hint.
+    /// Like any_in, but several times faster for wide cones. The result does not depend on the hint.
+    /// It may be true for a value outside the cone by up to an eighth of the radius.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.

@@ -15,8 +15,8 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps in the search for the ray from a lens point to a node.
-// All steps use the derivatives at the pinhole, so each reduces the error only about tenfold.
+// Largest number of Newton steps of a search. All steps use the derivatives at the pinhole,
+// so each reduces the error only about tenfold.
 constexpr int most_steps = 5;
 // A search has converged if its last step is at most `settled_px`, or its estimated error at most
 // `settled_share` of the difference between the ray and its first-order prediction.
@@ -24,8 +24,8 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Fraction of the first Newton step that is assumed to remain as an error.
 // After later steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays are first traced from the lens points (1, 0) and (0, 1), in lens radii.
-// If both differ from their prediction by at most this share of settled_px, the opposite points are skipped.
+// Two rays are traced first. If both differ from their prediction by at most this share of
+// settled_px, the rays from the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a node behind them.
@@ -253,7 +253,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
     // The departures are of second order, so they are almost equal on opposite sides of the lens.
-    // If they are small for two rays at right angles, as for most nodes, the opposite rays are not traced.
+    // If they are small, as for most nodes, the opposite rays are not traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;

@@ -65,7 +65,7 @@ struct ColourSource {
 };
 
 /// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
-/// They are sorted by layer (the visible surface, then hidden ones) and then by path.
+/// They are sorted by layer (0 is visible) and then by path.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
@@ -84,9 +84,8 @@ struct TracedSamples {
 
 class WhittedTracer {
   public:
-    /// Keeps references to the scene, the camera and all objects to which `settings` and `hidden` point.
-    /// A hidden surface is shaded as if nothing were in front of it.
-    /// Recording hidden surfaces does not change the bits of visible ones.
+    /// Keeps references to `scene`, `camera` and all objects to which `settings` and `hidden` point.
+    /// Hidden surfaces are shaded as if nothing were in front. They do not change the bits of visible ones.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -95,11 +94,9 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces point samples at raster positions, px. Thread-safe.
-    /// Fastest if the positions of each group of 16 are close together.
-    ///
-    /// `around(i)`, if given, returns earlier samples within a pixel of positions[i].
-    /// If they determine the `w_bend` of a node (bend_around), it is not measured.
+    /// Traces point samples at raster positions, px. Fastest if each group of 16 is close together.
+    /// `around(i)` returns earlier samples near positions[i], from which bend_around estimates `w_bend`.
+    /// Thread-safe.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// Image displacement, px, by `w_bend` (second-order motion over the lens), up to which it counts as

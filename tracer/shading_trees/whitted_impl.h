@@ -122,7 +122,7 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
-    // Exits from a glass object are not stored, because the transmitted ray finds what is behind them.
+    // An exit from glass is not stored: the transmitted ray finds what is behind.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces the hidden surfaces that are seen in mirrors or through glass.
