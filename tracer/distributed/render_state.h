@@ -59,7 +59,7 @@ struct RenderPart {
                                                          bool facts_only = false);
 
 /// Reads a file that write_state has written. `state` must have the size and `halves` of the render.
-/// Throws Error(invalid_input) if the file is damaged, has other `settings` or is another.
+/// Throws Error(invalid_input) if the file is damaged, has other `settings` or is not from write_state.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

@@ -55,8 +55,8 @@ struct KeyCount {
 /// It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
-/// Returns `count` evenly spaced instants of the shutter interval, ascending, or none if `count` is 1.
-/// Omits the frame's own instant, `frame_s`, which is always recorded.
+/// Returns `count` evenly spaced instants of the shutter interval, ascending, including both ends.
+/// Omits the frame's own instant, `frame_s`, which is always recorded. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens
