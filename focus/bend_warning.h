@@ -1,5 +1,5 @@
-// Warning about objects in mirrors and glass that are drawn at wrong positions. The 2x2 matrix W, which
-// reprojects a record to another lens point, is only a linear approximation of the true motion.
+// Warning about objects in mirrors and glass that are drawn at wrong positions. The error comes from
+// reprojection by W, which is only a linear approximation.
 #pragma once
 
 #include <optional>
@@ -11,31 +11,29 @@
 
 namespace postlens {
 
-/// Returns a warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. A
-/// node of the shading tree is misplaced if, for some lens point, it is reprojected with an error of more
-/// than half a pixel. For an aperture of diameter D, this error is (film distance / pixel pitch) w_bend (D /
-/// 2)^2. Only visible nodes that are brighter than 1/255 count.
+/// Returns a warning of code "nonlinear" with the share of pixels that show a misplaced node. A node of the
+/// shading tree is misplaced if some lens point sees it more than half a pixel from its reprojected position.
+/// Only visible nodes brighter than 1/255 count.
 ///
-/// Returns nothing if no pixel shows a misplaced node, if the aperture is a pinhole, or if the file has no
-/// w_bend (`SampleHeader::has_bend`).
+/// The error of a node in px, for an aperture of diameter D, is:
 ///
-/// Reads the records once, unless `frame` already has their errors (FocusFrame::largest_bends). If `crop` is
-/// given, only the pixels of the traced image within it count. The result does not depend on the number of
-/// threads.
+///     (film distance / pixel pitch) w_bend (D / 2)^2
+///
+/// Returns nothing if no pixel is affected, or if the file has no w_bend (`SampleHeader::has_bend`). With a
+/// `crop`, only the pixels within it count. The result does not depend on the number of threads.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that is reprojected to wrong positions. It contains the radiance of all records that
-/// are misplaced by more than half a pixel for some lens point. The radiance of each record is spread over a
-/// square as wide as the record's blur.
+/// Image of the light that is drawn at wrong positions. It sums all records that reprojection misplaces by
+/// more than half a pixel for some lens point. Each record is spread over a square as wide as its blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the records of the image rows [y_begin, y_end), which must be in `band`. The caller must add each
-    /// row of the file exactly once, from top to bottom.
+    /// Adds the records of image rows [y_begin, y_end), which `band` contains. Each row must be added exactly
+    /// once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel, the radiance at wrong positions, row by row. The result is empty if there is
-    /// none.
+    /// Returns the misplaced radiance of each pixel, row by row. The result is empty if no record is
+    /// misplaced.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

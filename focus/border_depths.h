@@ -11,20 +11,19 @@
 
 namespace postlens {
 
-/// The range of inverse depths at each pixel corner of the outermost traced rows and columns. Hidden,
-/// reflected and transmitted surfaces are ignored.
+/// Nearest and farthest depth at each pixel corner of the outermost traced rows and columns. Only surfaces
+/// that the pinhole sees directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel corner at the border, how far the lens spreads light from it, in px.
+    /// Returns, for each pixel corner at the border, how far the lens spreads its light, in px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:
-    /// Inverse depths of the nearest and the farthest surface, in 1/m. The initial values mean that there is
-    /// no surface.
+    /// Inverse depths of the nearest and the farthest surface, in 1/m. The initial values mean no surface.
     struct Range {
         float nearest = 0, farthest = HUGE_VALF;
     };

@@ -21,7 +21,7 @@
 namespace postlens {
 namespace {
 
-/// The part of the traced image that the result shows, and the factor `zoom` by which this part is magnified.
+/// The part of the traced image that the result shows, and its magnification `zoom`.
 struct View {
     RasterWindow window;
     double zoom = 1;
@@ -62,8 +62,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds the records of all rows to `splats`, which collects impulse responses, and then calls
-/// splats.finish().
+/// Adds the records of all rows to `splats` (impulse responses of samples).
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -71,8 +70,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// Describes how an image is divided into strips (groups of rows). Strips are used if the splats (impulse
-/// responses of samples) of the whole image exceed the memory limit.
+/// Division of an image into strips (groups of rows), which limits the memory for splats (impulse responses
+/// of samples).
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
@@ -80,15 +79,14 @@ struct StripPlan {
     int block_px;            ///< edge of the pixel blocks that are scattered together
 };
 
-/// Computes an image strip by strip, so that only the splats (impulse responses of samples) of one strip are
+/// Computes an image strip by strip (group of rows), so that only one strip's splats (impulse responses) are
 /// in memory. `draw(part)` computes one strip. The image is bit-identical to one made without strips.
-///
-/// The records are read twice to plan the strips, and then once more for each strip that needs them.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
     const int block_px = plan.block_px;
     const std::size_t most_bytes = plan.most_bytes;
+    // The records are read twice to plan the strips, and once more for each strip.
     splats.survey();
     take_in(frame, splats);
     const auto add = [&](const RasterWindow& part) {
@@ -116,7 +114,7 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // If a single row of blocks exceeds the memory limit, it is divided into parts from left to right.
+        // A row of blocks that exceeds the memory limit is divided into parts from left to right.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -125,8 +123,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry from px of the magnified image to px of the traced image. Circles of confusion are
-/// smaller in the traced image by the factor `zoom`, because the image is magnified after it is blurred.
+/// Converts the geometry from px of the magnified image to px of the traced image. The image is blurred
+/// before it is magnified by `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -165,9 +163,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // On average, a record yields at most one splat, because most samples of a pixel are merged. The
-        // splats of a strip may use a sixth of the memory limit, because sorting and compositing need the
-        // rest.
+        // A record yields at most one splat on average, because most samples of a pixel are merged. Sorting
+        // and compositing need five sixths of the memory.
         double sums = 0;  // of all strips so far
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
@@ -180,9 +177,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        }
                    });
     } else {
-        // A record yields up to four splats, one for each subpixel position that gets a part of its light.
-        // The splats of a strip may use a third of the memory limit, which leaves memory for kernels and
-        // colours.
+        // A record yields up to four splats, one per subpixel position. Kernels and colours need two thirds
+        // of the memory.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
@@ -223,8 +219,8 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // A pixel is affected if more than this share of its light would come from reflections or refractions
-    // that were not recorded.
+    // A pixel is affected if more than this share of its light would come from unrecorded reflections or
+    // refractions.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /
@@ -273,8 +269,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // The crop is given in pixels of the result. If the result is magnified, the whole traced image is
-    // computed first, without a crop.
+    // The crop is in pixels of the result. If the result is magnified, the whole traced image is computed
+    // first.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

@@ -19,9 +19,8 @@ namespace {
 
 /// Smallest coverage of an object that is written to a Cryptomatte. Renderers use a similar limit.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. It is larger than usual, because
-/// pixels at blurred edges show more objects. It is fixed, so that separately computed parts of an image have
-/// the same channels.
+/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. Blurred edges show more objects than
+/// usual. The number is fixed, so that parts of an image that are computed separately have the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -32,9 +31,9 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns the signed CoC diameter of the surface that each pixel shows without blur: the first sample, from
-/// front to back, at which the composited alpha reaches one half. If `effect` is not empty, it contains a
-/// factor for the diameter of each pixel.
+/// Returns the signed CoC diameter of the surface that each pixel shows without blur. This surface is the
+/// first sample, from front to back, where the composited alpha reaches one half. `effect` is a factor per
+/// pixel, or empty.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -53,8 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends each object's share of a pixel in the pinhole image with its share in the blurred image. `effect`
-/// is the weight of the blurred image, from 0 to 1.
+/// Blends each object's share of a pixel between the pinhole image and the blurred image. `effect` is the
+/// weight of the blurred image, from 0 to 1.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -122,14 +121,12 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
         std::count_if(ranked.begin(), ranked.end(), [&](const auto& r) { return r.size() > ranks; }));
 }
 
-/// Returns the standard error of each pixel of an image that is the mean of s.views views: the root mean
-/// square of the errors of the three channels. It is estimated from the differences between independent sets
-/// of views.
-///
-/// If s.views is small, more than two sets are compared. Pixels of the same depth use the same lens points,
-/// so their errors are similar. If two small sets agreed by chance, a large area would get no error.
+/// Returns the standard error of each pixel, as the root mean square over the three channels. It is estimated
+/// from the differences between independent sets of views.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
+    // Few views need more than two sets. Pixels of the same depth use the same lens points, so two small sets
+    // may agree by chance over a large area.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);
@@ -157,8 +154,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds the standard error to the image as a channel. If `effect` is not empty, it contains the weight of the
-/// blurred image in each pixel, by which the error is multiplied.
+/// Adds the standard error as a channel. It is multiplied by `effect`, the weight of the blurred image in
+/// each pixel, unless `effect` is empty.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

@@ -1,5 +1,5 @@
-// Adds channels for compositing to a focused image: the CoC, Cryptomatte, the error, and the shares of each
-// pixel that lie in front of, in and behind the focus.
+// Adds channels for compositing to a focused image: CoC, Cryptomatte, error, and the shares of each pixel in
+// front of, in and behind the focus.
 #pragma once
 
 #include <string>
@@ -20,19 +20,20 @@ struct FocusPasses {
     [[nodiscard]] bool any() const { return coc || by_views(); }
 };
 
-/// Adds the channels to a focused image. The shares of the objects in a blurred pixel are measured with
-/// `settings.views` views through the lens (focus/foreign/stack_field.h). They are then scaled so that they
-/// add up to the pixel's alpha. A pixel is in focus if its CoC diameter is at most 1 px. The CoC is negative
-/// in front of the focus, and 0 where nothing is hit or stored.
+/// Adds the channels to a focused image. Views through the lens measure the share of each object in a pixel.
+/// The shares are then scaled to add up to the pixel's alpha.
 ///
-/// `effect` is the effect of the lens on each pixel with which the image was made: 0 for a pixel of the
-/// pinhole image, 1 for a fully blurred pixel. If `effect` is empty, it is 1 everywhere.
+/// A pixel is in focus if its CoC diameter is at most 1 px. The CoC is negative in front of the focus, and 0
+/// where nothing is hit or stored.
 ///
-/// Returns the fraction of the pixels that show more objects than the Cryptomatte has ranks. There, the
-/// smallest coverages are left out. The Cryptomatte has as many ranks as that of `picture`, but at least 8.
+/// `effect` is the strength of the blur in each pixel: 0 is the pinhole image, 1 is fully blurred. If it is
+/// empty, all pixels are fully blurred.
 ///
-/// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if a channel is not available with the
-/// method or the impulse response. Throws Error(out_of_memory).
+/// Returns the fraction of pixels that show more objects than the Cryptomatte has ranks (objects per pixel).
+/// Their smallest coverages are left out.
+///
+/// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if the method or the impulse response
+/// does not support a channel. Throws Error(out_of_memory).
 double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,
                         const FocusPasses& passes, Image& image, const std::vector<float>& effect = {});
 

@@ -61,8 +61,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all pixels whose content is known: the pixels that the file stores,
-/// and all other pixels of the raster, which are empty space.
+/// Returns the window of the corners of all pixels with known content. Pixels of the raster that the file
+/// does not store are known to be empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -91,7 +91,7 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     return out;
 }
 
-/// Summary of the estimates behind some pixels.
+/// Summary of the estimated surfaces behind some pixels.
 struct Guessed {
     std::size_t known = 0;        ///< pixels with an estimate
     bool is_see_through = false;  ///< whether empty space is visible behind one of the surfaces
@@ -108,8 +108,8 @@ Guessed guessed(std::span<const Behind> behind) {
     return out;
 }
 
-/// Returns whether empty space lies behind the samples of a stored pixel, so that blur may show it. `behind`
-/// is the estimate behind this pixel, and `open` the transmittance_behind of its samples.
+/// Returns whether blur may show empty space behind a stored pixel. `behind` is the estimated surface behind
+/// this pixel, `open` the transmittance of its samples.
 bool ends_in_nothing(const Behind& behind, double open) {
     return !behind.known && !behind.fills && open > opaque_transmittance;
 }
@@ -124,7 +124,7 @@ std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const Foreig
                     rough(100 * share))};
 }
 
-/// Blurs one image with one lens setting: its colours and, if the image is translucent, its alpha.
+/// Blurs the colours of an image and, if it is translucent, its alpha.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -185,8 +185,7 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // For rows beyond the border, use the surfaces estimated behind the nearest row of the
-                // picture.
+                // Rows beyond the border use the estimates behind the nearest row of the picture.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -207,8 +206,8 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate what lies behind a translucent sample. The sample therefore
-                    // counts as filling its pixel.
+                    // `scatter` does not estimate what lies behind a translucent sample, so the sample fills
+                    // its pixel.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -231,9 +230,9 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `scatter` divides each pixel by its sum of weights. Empty space needs a weight too, or blur
-            // would make the edge of an object opaque. `nothing_` limits the weight. `layers` composites
-            // empty space as the farthest surface instead.
+            // `scatter` divides each pixel by its sum of weights, so empty space needs a weight. Otherwise,
+            // blur would make the edge of an object opaque. `layers` composites empty space as the farthest
+            // surface instead.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -252,8 +251,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // The depth model only matters for reflected and transmitted surfaces. Images of other programs do
-        // not store these separately, so any depth model can be used.
+        // Any depth model can be used here. It matters only for reflected and transmitted surfaces, which
+        // these images do not store.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -261,8 +260,8 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by the share of the lens that transmits light to the pixel. Alpha is coverage, which
-    /// vignetting must not reduce. Where the lens blocks all light, alpha is set to 1.
+    /// Divides alpha by the share of the lens that transmits light to the pixel, because vignetting must not
+    /// reduce alpha. Where the lens blocks all light, alpha is 1.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -299,8 +298,8 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no view shows, from the pixels around them. Adds a warning if the share
-/// of these parts is noticeable. Removes the alpha of an opaque image.
+/// Fills the parts of an image that no view shows from the pixels around them, and warns if they are
+/// noticeable. Removes the alpha of an opaque image.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
     divide_by_covered(field);
@@ -346,8 +345,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         of_picture.is_see_through = ends_in_nothing(behind[i], open);
     }
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // Gaps in the crop are filled from the pixels around them, which may lie outside the crop. If there are
-    // gaps, the whole image is therefore drawn.
+    // Gaps in the crop may need pixels outside the crop to be filled. In that case the whole image is drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;
@@ -415,8 +413,7 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // Circles of confusion are computed in px of the image before magnification. They are smaller by the
-    // factor `zoom`.
+    // Circles of confusion are in px of the image before it is magnified by `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Rows are read in bands of rows_per_band rows. A band ends earlier if it contains enough_records records,
-/// but not before fewest_rows rows.
+/// Rows are read in bands of rows_per_band rows. A band ends earlier, after at least fewest_rows rows, if it
+/// has enough_records records.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Number of rows in each band that is kept in memory. All threads work on one band and wait for each other
-/// at its end, so small bands would be slow.
+/// Number of rows in each band that is kept in memory. All threads wait for each other at the end of a band,
+/// so small bands would be slow.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
@@ -40,9 +40,9 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory. A record yields at most one point sample, stored in a vector whose capacity
-    // may be twice its size. It also yields at most one plain corner (compact copy of a sample), which has a
-    // depth and three colour values.
+    // Upper bound of the memory. A record yields at most one point sample, in a vector that may have twice
+    // the capacity. It also yields at most one plain corner, a compact copy with a depth and three colour
+    // values.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

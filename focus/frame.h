@@ -20,15 +20,15 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of a frame, at the frame's own instant (instant 0). `band` contains the records of
-/// these rows, and of the rows above and below if the file has them.
+/// Rows [y_begin, y_end) of a frame at instant 0. `band` contains the records of these rows and, if the file
+/// has them, of the row above and the row below.
 ///
-/// Each element of `samples` contains the point samples (eye rays) of `rows_per_task` rows. The same element
-/// of `plain` contains compact copies of the plain corners among them: samples between undivided pixels,
-/// without reflections (PlainCorners). Both are empty if the frame does not keep its samples.
+/// If the frame keeps its samples, `samples` has the point samples (eye rays) of each `rows_per_task` rows.
+/// `plain` has compact copies of those between undivided pixels without reflections. Otherwise both are
+/// empty.
 struct FrameRows {
-    /// Number of rows per task. Smaller tasks would be inefficient, because find_point_samples also reads one
-    /// row above and one row below the task.
+    /// Number of rows per task. Smaller tasks are inefficient, because each task also reads the row above and
+    /// the row below.
     static constexpr int rows_per_task = 8;
     const RecordBand* band = nullptr;
     int y_begin = 0, y_end = 0;
@@ -38,40 +38,37 @@ struct FrameRows {
 
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
-/// The data of a sample file that images of any lens share, such as records, point samples and surfaces.
-/// Images are bit-identical whether the frame keeps these data or reads them again.
+/// The data of a sample file that the images of all lenses use: records, point samples and surfaces.
 ///
-/// Only one thread at a time may use a frame. The exception is visit_rows: several threads may call it if the
+/// Only one thread at a time may use a frame. As an exception, several threads may call visit_rows if the
 /// frame keeps its rows and has visited them once.
 class FocusFrame {
   public:
-    /// `many` states that several images will be made. The frame then keeps in memory the records of instant
-    /// 0, for scattering, and the surfaces of all instants that images need, for the light field. The frame
-    /// keeps a reference to `file`.
+    /// `many` states that several images will be made, so the frame keeps the file's data in memory. The
+    /// frame keeps a reference to `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
     [[nodiscard]] bool many() const { return many_; }
 
-    /// Calls visit(rows) for bands of rows, from the top down. Together the bands contain the rows [y_begin,
-    /// y_end), and possibly more. Throws the errors of the reader. Throws Error(out_of_memory) if the data to
-    /// keep would exceed the memory.
+    /// Calls visit(rows) for bands of rows, from the top down. The bands contain the rows [y_begin, y_end),
+    /// and possibly more. Throws the errors of the reader, and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns the surfaces of a recorded instant, divided into sheets (surfaces within squares of the
-    /// raster). `rule` selects highlights. rule.above must be the same in all calls, because kept surfaces
-    /// store only highlights above it. `also` receives the records of each row of the file once, and may be
-    /// set only for instant 0. The result is valid until the next call for the same instant.
+    /// Returns the surfaces at a recorded instant, divided into sheets (surfaces within squares of the
+    /// raster). The result is valid until the next call for the same instant.
+    ///
+    /// - `rule` selects highlights; rule.above must be the same in all calls, because kept surfaces store
+    ///   only highlights above it
+    /// - `also` receives the records of each row once; it may be set only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest w_bend of each pixel, at least for the rows [y_begin, y_end) of the image. w_bend
-    /// is the error of reprojecting a record linearly, by its 2x2 matrix W. The records are not read again if
-    /// the surfaces of instant 0 have already been built.
+    /// Returns the largest w_bend of each pixel, at least for rows [y_begin, y_end) of the image. w_bend is
+    /// the error of reprojecting a record linearly, by its 2x2 matrix W.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
-    /// Returns the depths at the border of the traced area, at instant 0. The records are not read again if
-    /// the surfaces of instant 0 have already been built.
+    /// Returns the depths at the border of the traced area, at instant 0.
     [[nodiscard]] const BorderDepths& border_depths();
 
   private:

@@ -1,5 +1,5 @@
-// Finds, for each pixel, the largest w_bend of the records that the pinhole sees. w_bend is the error of
-// reprojecting a record linearly, by its 2x2 matrix W.
+// Finds the largest w_bend of the records that the pinhole sees in each pixel. w_bend is the error of
+// reprojecting a record by its 2x2 matrix W.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,19 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend of each pixel, in 1/m^2, of all records that the pinhole sees and that are brighter
-/// than darkest_shown. w_bend is the error of reprojecting a record linearly, by its 2x2 matrix W. For an
-/// aperture of diameter D, the reprojected position is wrong by at most (film distance / pixel pitch) w_bend
-/// (D / 2)^2 px.
+/// The largest w_bend of each pixel, in 1/m^2, of records that the pinhole sees. Records darker than
+/// darkest_shown are ignored.
+///
+/// w_bend limits the error of reprojection by the 2x2 matrix W. In px, for an aperture of diameter D, the
+/// error is at most:
+///
+///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {
   public:
     /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Updates the values with the records of the image rows [y_begin, y_end), which must be in `band`, in
-    /// parallel. Rows outside those given to the constructor are skipped.
+    /// Adds the records of image rows [y_begin, y_end), in parallel. Rows that the constructor was not given
+    /// are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }

@@ -23,13 +23,12 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Radius of a response, in px, from which fewer subpixel positions are used. In larger responses, the
-    // subpixel position is not visible.
+    // Radius in px, above which a response has fewer subpixel positions, because they are not visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // All samples in a cell, a square of the image, share one response. The cell is so small that the
-        // response changes within it by at most half a pixel or 2 % of its radius, which is not visible.
+        // All samples in a cell, a square of the image, share one response. Within a cell, the response
+        // changes by at most half a pixel or 2 % of its radius, which is not visible.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -42,8 +41,7 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
         // Upper bound of the displacement by the anisotropic part of `map_px`, which occurs in mirrors and
-        // glass. The factor 1.5 allows for a pupil that is larger than the nominal aperture by up to this
-        // factor.
+        // glass. The factor 1.5 allows for a pupil that exceeds the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -57,14 +55,14 @@ class LensModel final : public ResponseModel {
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
         // The shape of a response smaller than a pixel is not visible, so a disc replaces it. A disc also
-        // divides the light of a sample on a pixel corner equally between the four pixels around it.
+        // divides the light at a pixel corner equally between the four pixels.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // A surface in a mirror or behind glass may have a large anisotropic response. This response is so
-        // faint that the lens's aberrations are invisible in it, so an ellipse replaces it.
+        // An ellipse replaces large anisotropic responses, which mirrors and glass cause. They are so faint
+        // that the lens's aberrations are invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -75,8 +73,8 @@ class LensModel final : public ResponseModel {
 
   private:
     // Returns the inverse depth of a sample: the mean of the diagonal of its 2x2 reprojection matrix W.
-    // `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the aperture radius and s
-    // the focus distance.
+    // `map_px` is gain R (I/s - W), with gain = film distance in px, R = aperture radius and s = focus
+    // distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

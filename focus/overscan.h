@@ -1,4 +1,4 @@
-// Warning about pixels that lack light, because the light comes from surfaces beyond the recorded area.
+// Warning about pixels that lack light from surfaces beyond the recorded area.
 #pragma once
 
 #include <optional>
@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if circles of confusion of the outermost records are wider than the
-/// overscan. Light from beyond the records is then missing in the image pixels that these circles reach. If
-/// `crop` is given, only the pixels of the image within it count. Returns nothing if no pixel is affected.
+/// Returns a warning of code "overscan" if light from beyond the recorded area is missing in the image. This
+/// is so if circles of confusion at the border are wider than the overscan. With a `crop`, only pixels within
+/// it count.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

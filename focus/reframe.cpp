@@ -11,7 +11,7 @@ namespace postlens {
 namespace {
 
 /// The traced pixels that an output pixel covers along one axis, and the share of the output pixel that each
-/// traced pixel fills.
+/// of them fills.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1

@@ -10,9 +10,8 @@ namespace postlens {
 /// its centre. If zoom < 1, these pixels extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Resamples `traced`, which has the pixels of `window`, to width x height pixels. The position p of the
-/// output shows the position centre + (p - centre) / zoom of the input. Each output pixel is the mean of the
-/// traced pixels that it covers, weighted by area (a box filter). If zoom is 1, the image does not change.
+/// Resamples `traced`, which has the pixels of `window`, to width x height pixels, magnified by `zoom` about
+/// the centre. Each output pixel is the mean of the traced pixels that it covers, weighted by area.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

@@ -12,9 +12,8 @@ struct UsualMethod {
     std::string_view reason;  ///< for messages, in the form "as the file has ..."
 };
 
-/// Returns the default method for a sample file. It is `layers` if the file has hidden surfaces, mirrors or
-/// glass, otherwise `scatter`. In each case this is the method with the smaller error on most scenes
-/// (docs/focus.md).
+/// Returns the default method for a sample file: `layers` if it has hidden surfaces, mirrors or glass,
+/// otherwise `scatter`. This method has the smaller error on most scenes.
 [[nodiscard]] UsualMethod usual_method(const SampleHeader& header);
 /// Returns the default method for an image of another program, `layers`.
 [[nodiscard]] UsualMethod usual_method_of_foreign_picture();

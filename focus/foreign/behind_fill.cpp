@@ -15,23 +15,23 @@
 namespace postlens {
 namespace {
 
-/// Two neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this,
-/// in px.
+/// Neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this, in
+/// px.
 constexpr float least_step_px = 1;
 /// Largest distance, in px, over which the search looks for a surface behind an edge.
 constexpr float farthest_px = 512;
 
-/// Two signed CoC radii of a sample, in px. `own` is the radius for the sample's true depth and decides what
-/// hides what. `blur` is the radius with which the sample is blurred. It differs from `own` if an effect,
-/// such as "keep this object sharp", changes the blur. Empty space has infinite radii.
+/// Two signed CoC radii of a sample, in px. They are infinite for empty space.
+/// - `own`: radius for the true depth, which decides what hides what
+/// - `blur`: radius of its blur, which an effect such as "keep this object sharp" may change
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample `other` lies behind the sample `own` and belongs to another surface. This
-/// requires that the true radii or the blur radii of the two samples differ by at least least_step_px.
+/// Returns whether the sample `other` lies behind `own` and belongs to another surface. Their true radii or
+/// blur radii must differ by at least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -57,8 +57,8 @@ FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& ape
     return out;
 }
 
-/// Each pixel has a stack of samples, from front to back. The search compares only the last samples of
-/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
+/// The search compares only the last (farthest) samples of pixels. A pixel that is not opaque counts as empty
+/// space, unless `fills_` marks it as opaque.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -76,8 +76,8 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // The last (farthest) sample represents the pixel, because the surface to be estimated lies
-                // behind it.
+                // The last (farthest) sample represents the pixel, because the estimated surface lies behind
+                // it.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -107,16 +107,15 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks, in `fills_`, translucent pixels behind which blur reveals only empty space. The search for
-    /// farther surfaces treats them as opaque, because no farther surface shows through them. It treats all
-    /// other translucent pixels as empty space.
+    /// Marks, in `fills_`, translucent pixels behind which blur reveals only empty space. The search treats
+    /// them as opaque, and other translucent pixels as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                // The transmittance of a stack of one sample was computed for `opaque_`.
+                // `opaque_` already has the transmittance of a stack of one sample.
                 if (last.is_nothing() || (opaque_[i] != 0 && p_.stack_of(i).size() == 1) ||
                     transmittance_behind(p_.stack_of(i), p_.is_nothing_behind(i)) <= opaque_transmittance)
                     continue;
@@ -188,9 +187,8 @@ class BehindSearch::Impl {
     };
 
     /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until `take`
-    /// returns true. `blur_px` is the CoC radius of the first pixel. The walk ends at the distance from which
-    /// no circle of confusion can touch that of the first pixel. It also ends outside the raster and the
-    /// stored pixels, where nothing is known.
+    /// returns true. The walk ends where no CoC can touch that of the first pixel, whose CoC radius is
+    /// `blur_px`. It also ends where no pixels are known.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -208,14 +206,13 @@ class BehindSearch::Impl {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
     }
-    /// Returns the largest distance, in px, at which a circle of confusion of the radius `blur_px` may touch
-    /// another one.
+    /// Returns the largest distance, in px, at which a CoC of the radius `blur_px` may touch another CoC.
     [[nodiscard]] float limit_of(float blur_px) const {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
 
-    /// Returns whether, in direction `d`, there is a farther surface whose circle of confusion touches that
-    /// of the pixel (x, y). Empty space does not count as a surface.
+    /// Returns whether, in direction `d`, there is a farther surface whose CoC touches that of the pixel (x,
+    /// y). Empty space is not a surface.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, const Radii& own) const {
         bool found = false;
         Radii before = own;
@@ -257,16 +254,15 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds, for each stored pixel, the distance to the next depth edge in direction `d`. At a depth edge, a
-    /// pixel is followed by a neighbour that is farther from the camera. The depth of a pixel is that of its
-    /// last (farthest) sample. `steps` is set to the distance of this neighbour, in steps along `d`, or to 0
-    /// if there is no depth edge within farthest_px.
+    /// Finds the distance from each stored pixel to the next depth edge in direction `d`, in steps. At a
+    /// depth edge, the next pixel is farther from the camera. `steps` is 0 if there is none within
+    /// farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         // Only pixels in the columns [first, end) have a stored column next to them in direction `d`.
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
-            // The neighbour in direction d is visited before the pixel itself.
+            // The neighbour in direction `d` is visited before the pixel itself.
             const int y = d.dy > 0 ? height_ - 1 - row : row, v = y + d.dy;
             const bool inside = v >= 0 && v < height_;
             for (int x = 0; x < width_; ++x) {
@@ -288,9 +284,10 @@ class BehindSearch::Impl {
             }
         }
     }
-    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels of a row, which begin
-    /// at index `here`. Their neighbours in the direction of the search begin at index `next`. If `backwards`
-    /// is set, the last pixel is computed first.
+    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels of a row.
+    /// - `here`: index of the first pixel
+    /// - `next`: index of its neighbour in the direction of the search
+    /// - `backwards`: whether the last pixel is computed first
     template <typename IsFarther>
     static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
                             std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
@@ -308,9 +305,7 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there. From
-    /// the pixel, the eight directions are searched for a depth edge: two neighbouring pixels, of which the
-    /// second is farther from the camera.
+    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;
@@ -319,8 +314,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that lies behind the surface at the pixel (x, y) and may be
-    /// revealed by blur. If there is none, the returned distance is 0.
+    /// Returns the first surface in a direction that lies behind the pixel (x, y) and may be revealed by
+    /// blur. If there is none, the distance is 0.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -348,9 +343,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Selects the object whose surfaces in `finds` have the largest sum of weights (1 / squared distance).
-    /// Moves these surfaces to the front of `finds`, keeps their order, and returns their number. Without
-    /// this selection, a small emitter beside an edge would colour everything behind the edge.
+    /// Moves the surfaces of the object with the largest sum of weights (1 / squared distance) to the front
+    /// of `finds`. Returns their number. Without this selection, a small emitter beside an edge would colour
+    /// everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -419,7 +414,7 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// A summed-area table, which computes sums over rectangles of a raster. Outside the raster all values are 0.
+/// Summed-area table: computes sums over rectangles of a raster. Outside the raster, all values are 0.
 class RectangleSums {
   public:
     RectangleSums(int width, int height, const std::vector<float>& values)
@@ -457,7 +452,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // The content of pixels outside `known` is unknown, so they do not count as empty.
+    // The content of pixels outside `known` is unknown, so they are not empty.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
@@ -488,8 +483,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // Half a pixel is added because the CoC is centred on the pixel, and a quarter of a pixel because
-            // rounded depths may enlarge the CoC radius by that much.
+            // The CoC is centred on the pixel, which adds half a pixel. Rounded depths may enlarge its radius
+            // by a quarter of a pixel.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -13,20 +13,18 @@
 
 namespace postlens {
 
-/// Returns the window that contains the raster (the file's display window) and all pixels that the file
-/// stores. The content of all these pixels is known: pixels of the raster that are not stored are empty
-/// space.
+/// Returns the window that contains the raster (the file's display window) and all stored pixels. All its
+/// pixels are known: those of the raster that are not stored are empty space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};
 }
 
-/// Returns the geometry of the round lens that just contains an aperture. The distance up to which blur
-/// reveals surfaces follows from it: a stretched aperture spreads light farther than a CoC radius.
+/// Returns the geometry of the smallest round lens that contains an aperture. It limits how far blur reveals
+/// surfaces, because a stretched aperture spreads light farther than a CoC radius.
 [[nodiscard]] FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture);
 
-/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is so near that
-/// blur can reveal it at this pixel.
+/// Estimate of the surface behind an opaque pixel.
 struct Behind {
     float inverse_z = 0, spread_inverse_z = 0;  ///< same meaning as in StackSample
     float r = 0, g = 0, b = 0;                  ///< premultiplied
@@ -39,23 +37,21 @@ struct Behind {
 };
 
 /// Estimates the surface behind each stored pixel. From an opaque pixel, eight directions are searched for a
-/// farther surface.
+/// farther surface:
+/// - its depth is larger, and its signed CoC radius differs by at least a pixel
+/// - it is so near in the image that blur can reveal it
+/// - empty space counts as farther than all surfaces, and is not blurred
 ///
-/// A surface counts as farther if its depth is larger and its signed CoC radius differs by at least a pixel.
-/// It must also be so near in the image that blur can reveal it. If samples have ids, only one object counts.
-/// Each surface has the weight 1 / squared distance, and the object with the largest sum of weights is
-/// chosen. Empty space counts as farther than all surfaces and is not blurred.
-///
-/// The depths and the id come from the nearest of the farther surfaces. The colour is the mean over the
-/// surfaces at about the same depth, weighted by 1 / squared distance. A translucent pixel is treated like an
-/// opaque one if there is only empty space behind it in every direction (`fills`).
+/// Surfaces have the weight 1 / squared distance. If samples have ids, only the object with the largest sum
+/// of weights counts. The depths and the id come from the nearest of its surfaces. The colour is the weighted
+/// mean of those at about this depth.
 class BehindSearch {
   public:
-    /// Both `picture` and `geometry` must outlive the search. `aberration_px` is the distance by which
-    /// spherical aberration spreads light beyond the CoC radius.
+    /// Both `picture` and `geometry` must outlive the search. `aberration_px` is how far spherical aberration
+    /// spreads light beyond the CoC radius.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
-    /// Sets `out` to the estimated surfaces behind the stored pixels of row `y` of the picture. Several
-    /// threads may call this function at the same time.
+    /// Sets `out` to the estimated surfaces behind row `y` of the picture. Several threads may call this
+    /// function at the same time.
     void row(int y, std::vector<Behind>& out) const;
 
   private:
@@ -67,12 +63,11 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns an upper bound, for each pixel of a window, of the share of the pixel that shows empty space after
-/// blurring. The bounds are stored row by row. A bound of 1 or more means the whole pixel.
+/// Returns an upper bound of the share of each pixel that shows empty space after blurring, row by row. A
+/// bound of 1 or more means the whole pixel.
 ///
-/// For a pixel with samples, the bound compares two areas: the empty pixels in the bounding square of the
-/// pixel's CoC, and the CoC itself. The bound is the first area divided by the second. For an empty pixel the
-/// bound is 1. A translucent sample counts as covering its pixel. `aberration_px` has the same meaning as in
+/// The bound is 1 for an empty pixel. For a pixel with samples, it is the number of empty pixels in the
+/// bounding square of the CoC, divided by the area of the CoC. `aberration_px` has the same meaning as in
 /// behind_fill.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,

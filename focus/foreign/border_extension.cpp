@@ -34,8 +34,8 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns the samples of the outermost pixels along one side of the picture. The side begins at the pixel
-/// (x, y) and runs to the right or downwards.
+/// Returns the samples of the pixels along one side of the picture. The side begins at the pixel (x, y) and
+/// runs right or down.
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
     // Direction from this side into the picture.
     const int dx = along_x != 0      ? 0
@@ -74,8 +74,8 @@ BorderExtension::Continued BorderExtension::continue_inwards(const StackSample& 
     return out;
 }
 
-/// Returns the sample of the pixel (x, y) that belongs to the same surface as `sample`, which lies in a
-/// neighbouring pixel. Returns null if there is none.
+/// Returns the sample of pixel (x, y) that continues the surface of `sample`, which lies in a neighbouring
+/// pixel. Returns null if there is none.
 const StackSample* BorderExtension::next_of(const StackSample& sample, int x, int y) const {
     if (!p_.stores(x, y)) return nullptr;
     const auto apart = [&](const StackSample& s) {
@@ -94,8 +94,7 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner of the picture, a sample is shown only if it is continued far enough both horizontally
-    // and vertically.
+    // Beyond a corner of the picture, a sample must be continued far enough both horizontally and vertically.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

@@ -10,8 +10,7 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Objects that hide the surfaces behind them, with sharp edges, but add neither colour nor alpha to the
-    /// image.
+    /// Objects that hide the surfaces behind them, but add neither colour nor alpha. Their edges are sharp.
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
@@ -24,9 +23,10 @@ struct ObjectEffects {
 };
 
 /// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses the
-/// true depth of an object. If an offset would move an object to the camera or behind it, the object is
-/// placed 1 mm in front of the camera, and the warning `offset` is added to picture.repairs. Throws the
-/// errors of `choose_samples`.
+/// true depths. Throws the errors of `choose_samples`.
+///
+/// An offset that would move an object behind the camera moves it to 1 mm in front. The warning `offset` is
+/// then added to picture.repairs.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

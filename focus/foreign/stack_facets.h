@@ -1,4 +1,4 @@
-// Converts the samples of another program's image to quadrilaterals, which are drawn as seen from many lens
+// Converts the samples of another program's image to quadrilaterals. Views draw them as seen from many lens
 // points.
 #pragma once
 
@@ -16,9 +16,8 @@
 
 namespace postlens {
 
-/// Returns whether samples of neighbouring pixels belong to one surface. They do if their ids are equal or
-/// missing, and if their CoC radii differ by less than a pixel. For radii above 16 px, the limit is a 16th of
-/// the radius.
+/// Returns whether samples of neighbouring pixels belong to one surface. Their CoC radii must differ by less
+/// than a pixel (above 16 px, by less than a 16th of the radius). Their ids must be equal or missing.
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
 /// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
@@ -32,12 +31,11 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image as quadrilaterals, sorted by pixel. The estimated surfaces behind edges and beyond
-/// the border are included. Where neighbouring quadrilaterals show one surface, their common corners have the
-/// same depth.
+/// The samples of an image as quadrilaterals, sorted by pixel. Neighbouring quadrilaterals of one surface
+/// have the same depth at common corners. Estimated surfaces behind edges and beyond the border are included.
 class Facets {
   public:
-    /// `behind` contains the estimated surface behind each pixel of `p`, or is empty. `border` must have been
+    /// `behind` has the estimated surface behind each pixel of `p`, or is empty. `border` must have been
     /// computed from `p`.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
@@ -56,14 +54,15 @@ class Facets {
     }
 
   private:
-    /// Adds a sample of a pixel as a quadrilateral. `number` identifies the pixel and determines Facet::seed.
-    /// `beyond` states whether the pixel lies beyond the border of the picture.
+    /// Adds a sample as a quadrilateral.
+    /// - `number`: identifies the pixel; determines Facet::seed
+    /// - `beyond`: whether the pixel lies beyond the border of the picture
     void add(std::size_t number, const StackSample& s, bool beyond);
     /// Returns the sample in pixel (x, y) that belongs to the same surface as `f`, or null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
-    /// Sets each corner depth of `f` to the mean depth of the samples of its surface that meet at this
-    /// corner. The corner depths of neighbours are not read, so several threads may call this function.
+    /// Sets each corner depth of `f` to the mean depth of the samples of its surface that meet there. Several
+    /// threads may call this function, because it does not read corner depths of neighbours.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

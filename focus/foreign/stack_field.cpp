@@ -20,7 +20,7 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// A view is the image from one lens point. It samples every pixel at the same position in the pixel.
+/// The image from one lens point. It samples every pixel at the same position in the pixel.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
@@ -41,8 +41,7 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel of the window, what a view sees if it sees none of the pixel's samples: 1 for
-/// empty space, 0 for something unknown.
+/// Returns what a view sees behind the samples of each pixel: 1 for empty space, 0 for something unknown.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -64,12 +63,11 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a facet (the quadrilateral of a sample) is opaque in a view. The fraction of views in
-/// which it is opaque equals its alpha (stochastic transparency).
+/// Returns whether a facet (quadrilateral of a sample) is opaque in a view. The fraction of such views equals
+/// its alpha (stochastic transparency).
 ///
-/// Alpha is compared with a threshold that differs between views. The thresholds of a facet form a van der
-/// Corput sequence, scrambled with the facet's own seed. Facets behind each other are thus opaque
-/// independently, and their transmittances multiply.
+/// Each view compares alpha with another threshold of a van der Corput sequence, scrambled with the facet's
+/// seed. Facets behind each other are thus opaque independently, and their transmittances multiply.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
@@ -80,8 +78,7 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` contains, for each pixel of the window, 1 if there is empty space behind its samples, else
-    /// 0.
+    /// `nothing` is 1 for each pixel of the window that has empty space behind its samples, else 0.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -118,8 +115,8 @@ class Band {
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
-            // A view whose light the lens blocks (vignetting) contributes black. Colours are therefore means
-            // over all views. Alpha is coverage, so it is the mean over the views that are not blocked.
+            // Views that the lens blocks (vignetting) add black, so colours are means over all views. Alpha
+            // is coverage, so it is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -134,8 +131,8 @@ class Band {
     }
 
   private:
-    /// Position of a quadrilateral in the depth order. At equal depth, the quadrilateral that is nearer to
-    /// the front of its own pixel's stack comes first.
+    /// Position of a quadrilateral in the depth order. At equal depth, the one nearer to the front of its
+    /// pixel's stack comes first.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -155,7 +152,7 @@ class Band {
         Depth depth;
     };
 
-    /// Converts the index of a pixel in this band (the rows of one task) to the pixel's index in the window.
+    /// Converts the index of a pixel in this band to its index in the window.
     [[nodiscard]] std::size_t in_window(std::size_t i) const {
         const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                   y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -163,7 +160,7 @@ class Band {
                static_cast<std::size_t>(x - s_.window.x_begin);
     }
 
-    /// Returns whether samples of a row of pixels may be reprojected into this band by a view.
+    /// Returns whether a view may reproject samples of a row of pixels into this band.
     [[nodiscard]] bool reaches(const View& v, int row) const {
         const auto& [least, most] = facets_.range(row);
         if (!(least <= most)) return false;
@@ -175,8 +172,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the sample points of a view that lie inside a quadrilateral. Each pixel has one sample point,
-    /// which has integer coordinates in the view.
+    /// Finds the sample points of a view that lie inside a quadrilateral. Sample points have integer
+    /// coordinates in the view, one per pixel.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -203,13 +200,13 @@ class Band {
         }
     }
 
-    /// Returns whether a point lies in one of the two triangles of the quadrilateral. The quadrilateral may
-    /// have either orientation. Points on the sides count as inside, so that neighbours leave no cracks.
+    /// Returns whether a point lies in one of the two triangles of the quadrilateral, which may have either
+    /// orientation. Points on the sides count as inside, so that neighbours leave no cracks.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // Two quadrilaterals with a common side must compute exactly the same value for it, or a crack
-            // may appear. A common side therefore begins at the same corner in each of them.
+            // A common side begins at the same corner in both quadrilaterals. They thus compute exactly the
+            // same value, which avoids cracks.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -226,10 +223,9 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of all
-    /// quadrilaterals in front of it. A quadrilateral is opaque with a probability equal to its alpha
-    /// (is_opaque). It is therefore visible with a probability equal to the transmittance in front of it. On
-    /// average, the sum equals compositing with "over".
+    /// Adds the premultiplied colours of the nearest opaque quadrilateral and all quadrilaterals in front of
+    /// it. Each is visible with a probability equal to the transmittance in front of it. On average, the sum
+    /// equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -247,8 +243,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // A pixel of the view is unknown if it has no opaque quadrilateral, or if the nearest one lies beyond
-        // the image's border.
+        // A pixel is unknown if it has no opaque quadrilateral, or if the nearest one lies beyond the image's
+        // border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
@@ -266,8 +262,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Tests, for each pixel, whether the lens transmits the light of the view or blocks it (vignetting). The
-    /// result depends on the point where the view's ray crosses the plane in focus.
+    /// Tests, for each pixel, whether the lens transmits the view's light or blocks it (vignetting). This
+    /// depends on where the view's ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,

@@ -28,8 +28,8 @@ struct StackFieldSettings {
     }
 };
 
-/// The share of a pixel that shows one object. Parts of the object in front of, in and behind the focus are
-/// counted separately.
+/// The share of a pixel that shows one object. Parts in front of, in and behind the focus are counted
+/// separately.
 struct ObjectShare {
     std::uint32_t id = 0;  ///< 0 for samples without an id
     int side = 0;          ///< -1 in front of the focus, 1 behind, 0 if the CoC diameter is at most 1 px
@@ -37,40 +37,38 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// The mean of the views, with premultiplied colours and an alpha for every pixel. Alpha is a random
-    /// estimate, so it may exceed 1.
+    /// The mean of the views, with premultiplied colours and alpha. Alpha is a random estimate, so it may
+    /// exceed 1.
     Image image;
-    /// Per pixel of the window, the fraction of the views in which the pixel is unknown. Such a view looks
-    /// past the image's border or past the pixel's last sample. Views that see empty space do not count.
+    /// Per pixel of the window, the fraction of views in which its content is unknown. Such a view looks past
+    /// the image's border or past the pixel's last sample. Empty space is not unknown.
     std::vector<float> unseen;
-    /// Per pixel of the window: the mean, over the views that the lens does not block, of the alphas of the
-    /// samples that they see, holdouts included. On average it is 1 minus `unseen`. In a pixel with empty
-    /// space behind its samples, smaller values are raised to 1, because empty space is not unknown.
+    /// Per pixel of the window, the mean alpha over the views that the lens transmits. Holdouts count. On
+    /// average it is 1 minus `unseen`. In a pixel with empty space behind its samples, it is at least 1,
+    /// because empty space is not unknown.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
 /// Draws a view of the image from each lens point and returns the mean of the views.
 ///
-/// Each sample of a pixel is drawn as a quadrilateral, the square of the pixel. Each corner of the square has
-/// the mean inverse depth of the samples of the same surface that meet there (are_one_surface). The corner is
-/// reprojected with this depth.
+/// Each sample is drawn as a quadrilateral, the square of its pixel. Its corners are reprojected with the
+/// mean inverse depth of the samples of its surface that meet there (are_one_surface).
 ///
-/// A view has one sample point in each pixel and shows the nearest opaque quadrilateral there. Each
-/// quadrilateral is opaque in a random part of the views, whose fraction equals its alpha (stochastic
-/// transparency [enderton2010]). The expected value of the image therefore equals compositing with "over"
-/// along each ray through the lens.
+/// A view shows the nearest opaque quadrilateral at one sample point per pixel. A quadrilateral is opaque in
+/// a random fraction of the views that equals its alpha (stochastic transparency [enderton2010]). On average,
+/// this equals compositing with "over" along each ray.
 ///
-/// `behind` contains the estimated surface behind each pixel, which is added to the end of the pixel's stack.
-/// It may be empty. Samples at the border of the image are continued beyond the border (BorderExtension).
+/// `behind` has the estimated surface behind each pixel, or is empty. Samples at the border are continued
+/// beyond it (BorderExtension).
 ///
 /// The result is bit-identical for any number of threads and any `drawn`. Throws Error(wrong_arguments) if
 /// the number of views is out of range. Throws Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by StackField::covered, and limits alpha to 1. Views that look
-/// past the image thus do not darken the pixel. A pixel in which `covered` is 0 keeps its values.
+/// Divides the colours and alpha of each pixel by StackField::covered, so that views past the image do not
+/// darken it. Alpha is limited to 1. Pixels with `covered` = 0 do not change.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha of a sample. A sample that emits light but covers nothing has alpha 0, but needs a positive
-/// weight to be composited. This weight is so small that even many such samples hide almost nothing.
+/// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
+/// composited. Even many samples of this weight hide almost nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;
@@ -34,13 +34,12 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // `seen` is the share of the sample's light that the pinhole sees, and `hidden` the share that other
-    // surfaces hide from it. Neither share contains light that is hidden by a sample of the same surface. No
-    // lens point sees that light, because samples of one surface move together when the lens point moves.
+    // `seen` is the share of the sample's light that the pinhole sees, `hidden` the share that other surfaces
+    // hide. Light that the same surface hides is excluded, because no lens point sees it.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
     // `covered` is the part of `hidden` that no lens point sees, because the surface in front moves together
-    // with this one. `apart` is 0 if a surface in front moves together with this one, and 1 if it moves
-    // independently. If the samples in front are translucent, `apart` is computed as in `composite`.
+    // with this one. `apart` is 0 for surfaces that move together, and 1 for those that move independently.
+    // If the samples in front are translucent, it is computed as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {

@@ -1,5 +1,5 @@
 // Converts a pixel's stack of samples to PixelLight, the input of scattering. Light that the pinhole sees is
-// kept apart from hidden light.
+// separated from hidden light.
 #pragma once
 
 #include <span>
@@ -15,32 +15,29 @@ namespace postlens {
 /// What is converted to light: a sample's colour, or its alpha as the value of all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts stacks one at a time.
+/// Converts stacks of samples, one at a time.
 ///
-/// Let T be the transmittance in front of a sample, the product of (1 - alpha) of all samples in front of it.
-/// The visible share of the sample is T alpha and its hidden share is (1 - T) alpha. Its premultiplied colour
-/// is divided in the same ratio. Empty space at infinity fills the rest of the pixel, so the visible shares
-/// of a pixel add up to 1.
+/// T is the transmittance in front of a sample, the product of (1 - alpha) of all samples in front. The
+/// visible share of the sample is T alpha, its hidden share (1 - T) alpha. Its premultiplied colour is
+/// divided in the same ratio. Empty space fills the rest of the pixel.
 ///
-/// Samples form one surface if their signed CoC radii differ by less than a pixel. For radii above 16 px, the
-/// limit is a 16th of the radius.
+/// Samples form one surface if their signed CoC radii differ by less than a pixel (above 16 px, by less than
+/// a 16th of the radius).
 class StackLights {
   public:
     /// If `with_nothing` is set, empty space is also converted to light, which is black and not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts the stack of samples of a pixel in column `x` and appends the light to `out`. `behind` is the
-    /// estimated surface behind the stack, or null.
-    ///
-    /// `fills` states that the last sample fills the whole pixel although it is translucent. Its weight is
-    /// then that of an opaque sample. This is correct if there is only empty space behind the pixel and its
-    /// neighbours. `open` is the stack's transmittance_behind.
+    /// Converts the samples of a pixel in column `x` and appends the light to `out`.
+    /// - `fills`: the last sample has the weight of an opaque one, although it is translucent; used if only
+    ///   empty space lies behind the pixel and its neighbours
+    /// - `open`: the stack's transmittance_behind
+    /// - `behind`: the estimated surface behind the stack, or null
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples with
-    /// nearly the same radius belong to one surface.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -49,8 +46,9 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths of a sample, in 1/m. `order` determines the order of compositing, `spread` the size
-    /// of the circle of confusion. They differ if an effect changes the blur of an object.
+    /// Two inverse depths of a sample, in 1/m. They differ if an effect changes the blur of an object.
+    /// - `order`: depth for compositing
+    /// - `spread`: depth that determines the CoC
     struct Depths {
         double order = 0, spread = 0;
     };
