@@ -8,12 +8,11 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If the weights of a reflection's or refraction's records add up to less than this at a pixel,
-/// Chain::stand_in is blended in. It is the same radiance, scattered with the kernels of the mirror or glass.
+/// If the weights of a reflection or refraction add up to less than this at a pixel, Chain::stand_in is
+/// blended in. It is the same radiance, scattered with the kernels of the mirror or glass.
 constexpr double enough_weight = 0.05;
 
-/// A path (sequence of reflections and transmissions) at a pixel, with its splats (impulse responses) and its
-/// radiance.
+/// The light of a path (sequence of reflections and transmissions) at a pixel.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -28,9 +27,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions), such as a mirror image, to the
-/// surface that shows it. `mask` is the part of the surface that shows the path. The radiance is assumed to
-/// pass through the same lens points as the surface's own light.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to the surface that shows it.
+/// `mask` is the part of the surface that shows the path. The radiance is assumed to pass through the same
+/// lens points as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -39,8 +38,7 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
-/// Adds the radiance of a path, for example a mirror image, to `fragment`, the light of a surface at this
-/// pixel. `shown` is the key of this surface.
+/// Adds the radiance of a path, for example a mirror image, to the light of the surface with the key `shown`.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -49,9 +47,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Computes the light of one surface at a pixel. `seen` contains the sums over the records that the pinhole
-/// sees, `hidden` those over all other records. One of them may be null. Returns nothing if no light reaches
-/// the pixel.
+/// Computes the light of one surface at a pixel, or nothing if no light reaches the pixel.
+/// - `seen`: sums over the records that the pinhole sees; may be null
+/// - `hidden`: sums over all other records; may be null
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -60,10 +58,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Computes the light of all surfaces that are seen along one path (sequence of reflections and
-/// transmissions) at a pixel, one fragment per surface. `longer` contains all paths that continue this one.
-/// Each fragment includes the radiance of the paths in `longer` whose last bounce is on its surface. Returns
-/// the sum of the weights of `terms`.
+/// Computes the light of all surfaces seen along one path (sequence of reflections and transmissions), one
+/// fragment per surface. A fragment includes the light of longer paths, from `longer`, that pass over its
+/// surface. Returns the sum of the weights of `terms`.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -108,7 +105,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The path now has the radiance of a longer path, so stand_in is not blended in.
+        // The path now has the radiance of a longer path, so stand_in is not needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)
@@ -128,8 +125,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longer paths are resolved first, because their radiance is part of that of the shorter paths that they
-    // continue.
+    // Longer paths are resolved first, because the shorter paths that they continue include their radiance.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

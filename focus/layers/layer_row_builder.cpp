@@ -7,11 +7,10 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed at multiples of a quarter pixel or of a whole pixel. More
-/// samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
+/// CoC radii, in px, from which samples are placed at multiples of a quarter pixel or a whole pixel. More
+/// samples then share a kernel and are merged. Blurred edges do not change visibly.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// NodeResponses::phases chooses the steps by the radius: a quarter pixel above 16 px, a whole pixel above
-/// 256 px. These radii, in px, are passed instead of a smaller true radius to get these steps.
+/// Radii, in px, for which NodeResponses::phases chooses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -25,13 +24,14 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// Returns the factor that converts the position at which light arrives, in px, to an estimate of the lens
-/// point through which the light passed, in lens radii. The estimate is the linear least-squares estimate.
+/// Returns the factor that converts the position at which light arrives, in px, to a linear least-squares
+/// estimate of its lens point, in lens radii.
 ///
 /// Light through the point q of the unit disc arrives at R q + S |q|^2 q, where R is the CoC radius and S the
 /// spherical aberration. The factor is the covariance of this position and q, divided by the variance of the
-/// position. Along each axis, the covariance is R / 4 + S / 6. The variance is R^2 / 4 + R S / 3 + S^2 / 8,
-/// plus 1 / 12 for the extent of a pixel.
+/// position. Along each axis:
+/// - covariance: R / 4 + S / 6
+/// - variance: R^2 / 4 + R S / 3 + S^2 / 8 + 1 / 12, where 1 / 12 is due to the extent of a pixel
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m, double spherical_px) {
     const double r = signed_radius_px(geometry, inverse_depth_per_m), s = spherical_px;
     return (r + 2 * s / 3) / (r * r + 4 * r * s / 3 + s * s / 2 + 1.0 / 3);
@@ -53,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, and coarser
-    // steps would visibly blur it.
+    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, which
+    // coarser steps would visibly blur.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -65,8 +65,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel. The kernel
-        // of the pixel's middle is used.
+        // A disc much smaller than a pixel has the same kernel everywhere inside the pixel: that of the
+        // pixel's middle.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -79,13 +79,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges splats of a pixel that have the same part (LayerPart) and kernel. A small hash table finds
-// candidates. It uses the hash of the kernel's key: the kernel's number depends on the timing of threads,
-// which the image must not depend on.
+// Merges splats of a pixel that have the same LayerPart (group of splats) and kernel. A small hash table
+// finds candidates. The hash is that of the kernel's key. The kernel's number would make the image depend on
+// the timing of threads.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // This is Fibonacci hashing. A splat that finds a different one in its slot is not merged.
+        // Fibonacci hashing. A splat that finds a different one in its slot is not merged.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -119,9 +119,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // For each node, sum the radiance of the node and its descendants. Parents come before their children in
-    // the list. In backward order, the sum of a node is therefore complete before it is added to that of its
-    // parent.
+    // Sum the radiance of each node and its descendants. Parents come before their children in the list, so
+    // backward order completes a child's sum before its parent's.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -137,9 +136,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// A ray through a glass object hits its near side and its far side. The far side has no outline of its own:
-// it ends where the near side ends. What is seen through the far side is therefore masked and blurred with
-// the kernel of the near side. The kernel from the far side's own reprojection matrix could be far too large.
+// The far side of a glass object ends where its near side ends. What is seen through it is thus blurred with
+// the kernel of the near side. The kernel of the far side's own reprojection matrix could be far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -176,7 +174,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // Only directly visible surfaces at a finite depth count for the largest CoC.
+        // The largest CoC counts only directly visible surfaces at a finite depth.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);
@@ -196,7 +194,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // If the parent was not recorded, use the nearest ancestor that was.
+        // If the parent was not recorded, use the nearest recorded ancestor.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -209,8 +207,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds records that are hidden behind objects seen in a mirror or through glass. `surface` is the mirror or
-// glass.
+// Adds records that are hidden behind objects in a mirror or behind glass. `surface` is the mirror or glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

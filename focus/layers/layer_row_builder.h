@@ -1,4 +1,4 @@
-// Builds the splats (impulse responses of samples) of LayerSplats from one row of a sample file.
+// Builds the splats (impulse responses of samples) of one row of a sample file.
 #pragma once
 
 #include <array>
@@ -18,8 +18,7 @@
 
 namespace postlens {
 
-/// Builds the splats of one row of pixel corners at a time. Only the data of this row are written, so several
-/// threads may build different rows.
+/// Builds the splats of one row of pixel corners at a time. Several threads may build different rows.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -31,14 +30,13 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The records of one layer of a point sample, at the position (x, y). Layer 0 is what the pinhole sees,
-    /// and the other layers are hidden behind it.
+    /// The records of one layer of a point sample at (x, y). The pinhole sees layer 0; other layers are
+    /// hidden.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
     };
-    /// A node (hit surface point) of the current eye ray's shading tree, with the data that its child nodes
-    /// need.
+    /// A node (hit surface point) of the current eye ray's shading tree, with the data for its child nodes.
     struct Met {
         const Record* node = nullptr;
         NodeResponse response;
@@ -52,14 +50,14 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// Returns the node of the current eye ray's shading tree with this path (sequence of reflections and
-    /// transmissions), or null if there is none.
+    /// Returns the node of the current shading tree with this path (sequence of reflections and
+    /// transmissions), or null.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the node whose kernel blurs the outline of the node `from`. This is `from` itself, except for
-    /// the far side of a glass object, whose outline is that of the near side.
+    /// Returns the node whose kernel blurs the outline of the node `from`. For the far side of a glass
+    /// object, this is the near side; otherwise it is `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at the node `met`: the share of the parent node `from` that shows
-    /// this path. The mask is blurred like the parent. `from` must have been added before.
+    /// Adds the mask of the path to the node `met`: the share of the parent node `from` that shows it. The
+    /// mask is blurred like the parent. `from` must have been added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -13,8 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, in px. All splats of a tile are skipped at once if none of them reaches a block of the
-/// image.
+/// Edge of a tile, in px. If no splat of a tile reaches a block of the image, all are skipped at once.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -120,8 +119,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by part (LayerPart) and tile, in a stable order. Then appends the row's runs to
-// `runs`. A run contains the splats of one part in one tile of the row.
+// Sorts the splats of a row by LayerPart (group of splats) and tile, in a stable order. Then appends the
+// row's runs, the splats of one part in one tile, to `runs`.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -235,8 +234,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows that are not read again for this strip contribute only the splats that reach far from their row.
-    // These splats were kept when the rows were first read.
+    // Rows that are not read again contribute only splats that reach far from their row. These were kept when
+    // the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

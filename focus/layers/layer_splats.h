@@ -21,8 +21,9 @@
 
 namespace postlens {
 
-/// Identifies a surface. `id` is the number of its object. A ray may hit several surfaces of one object.
-/// `before` is the number of surfaces of this object in front of this one.
+/// Identifies a surface. A ray may hit several surfaces of one object.
+/// - `id`: number of the object
+/// - `before`: number of surfaces of this object in front of this one
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -30,9 +31,9 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies a group of splats that are summed up together. They belong either to a surface itself, or to
-/// the light that the surface reflects or transmits along one path. Groups are sorted by surface, then by
-/// path. A path comes before longer paths that begin with it.
+/// Identifies a group of splats that are summed together. They belong to a surface, or to the light that it
+/// reflects or transmits along one path. Groups are sorted by surface, then by path; a path comes before
+/// longer paths that begin with it.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -43,36 +44,37 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen along the path. For a mask, it is the surface that reflects or transmits the
-    /// path. It is empty for `outer_mask`, and for masks of the first surface on the eye ray.
+    /// The surface seen along the path or, for a mask, the surface that reflects or transmits it. It is empty
+    /// for `outer_mask`, and for masks of the first surface on the eye ray.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// The impulse response of one record of a point sample. r, g, b and `weight` are multiplied by the sample's
-/// weight. `depth` is `weight` times the inverse depth 1/z'.
+/// The impulse response of one record of a point sample.
+/// - `r`, `g`, `b`, `weight`: multiplied by the sample's weight
+/// - `depth`: `weight` times the inverse depth 1/z'
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Converts positions in the kernel to lens points. Light that arrives at an offset of d px from the
-    /// anchor (x, y) passed, on average, through the lens point d * lens_per_px, in lens radii.
+    /// Converts positions in the kernel to lens points. Light that arrives d px from the anchor (x, y)
+    /// passed, on average, through the lens point d * lens_per_px, in lens radii.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees. It is hidden by a surface in front that moves together
-    /// with the record's surface when the lens point moves (Fragment::covered).
+    /// The part of `weight` that no lens point sees. A surface in front, which moves together with this one
+    /// over the lens, hides it (Fragment::covered).
     float covered = 0;
 };
 
-/// The splats of one LayerPart (group that is summed together) in one row of a tile (64 x 64 px). They are
-/// the elements [begin, end) of the row's splats.
+/// The splats of one LayerPart (group of splats) in one row of a tile: the elements [begin, end) of the row's
+/// splats. A tile has 64 x 64 px.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
 };
 
-/// The splats of one LayerPart (group that is summed together) in one tile of 64 x 64 raster px.
+/// The splats of one LayerPart (group of splats) in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -88,8 +90,7 @@ struct RadianceRange {
     void include(const RadianceRange& other);
 };
 
-/// The splats of an image, grouped by surface. Add each row once, in bands in any order, and then call
-/// finish().
+/// The splats of an image, grouped by surface. Add each row once, in any order, and then call finish().
 class LayerSplats {
   public:
     /// The arguments are those of SplatTables.
@@ -102,17 +103,17 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` contains the records of these
-    /// rows. It must also contain the row above and the row below, if the source window has them. Throws
-    /// Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must contain their records, and
+    /// those of the row above and the row below, if any. Throws Error(invalid_input) if a quadtree is
+    /// damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
     /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
-    /// Places samples at pixel centres instead of pixel corners, as needed for another program's image. Call
-    /// it before add_pixels. `known` is the window of the corners of the image's pixels. Samples beyond this
-    /// window are estimated.
+    /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
+    /// add_pixels. `known` is the window of the corners of the image's pixels; samples beyond it are
+    /// estimated.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -124,8 +125,7 @@ class LayerSplats {
     void finish();
 
     /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
-    /// is added. Splats of rows that are added before finish() are not stored, because the rows are added
-    /// again for each strip.
+    /// is added. Splats are not stored before finish(), because each strip adds its rows again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -150,7 +150,7 @@ class LayerSplats {
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Distance of samples from their anchors (integer raster positions), in px, along each axis. It is 0.5
-    /// for another program's image, otherwise 0.
+    /// for images of other programs, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the recorded colours, to which images are clamped.
@@ -179,7 +179,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    /// Removes the splats that the current strip does not need from `made`, and stores the others in rows_.
+    /// Stores the splats of `made` in rows_, except those that the current strip does not need.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

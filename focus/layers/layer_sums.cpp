@@ -11,8 +11,8 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double EightDoubles __attribute__((vector_size(64)));
-/// Unaligned types, only used to load and store values. Variables are FourDoubles and EightDoubles, because
-/// the compiler keeps only these in registers.
+/// Unaligned types for loading and storing values. Variables have the types FourDoubles and EightDoubles,
+/// because the compiler keeps only these in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -61,7 +61,7 @@ struct LensValues {
         plain.add(other.plain, tap);
         moments += other.moments * tap;
     }
-    /// `y` is the row of the splat's anchor, relative to the upper left corner of the block.
+    /// `y` is the row of the splat's anchor within the block.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
         plain.add_to(pixel, y);
         *reinterpret_cast<FourStored*>(pixel + PlainValues::count) += moments * FourDoubles{1, 1, y, y};
@@ -84,8 +84,8 @@ constexpr std::size_t longest_run = 64;
 /// the run's ends.
 constexpr std::size_t padding = 4;
 
-/// Returns how many splats at the beginning of `splats` one call of add_run can add. They must have the same
-/// kernel, with the extent `reach`, and adjacent anchors, and reach the pixels `rows`.
+/// Returns how many of the first splats one call of add_run can add. They must have the same kernel, whose
+/// extent is `reach`, and adjacent anchors, and reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -148,8 +148,8 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes `taps`, the differences between neighbouring values of a kernel row, on one side of its uniform
-/// interior: edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
+/// Sets `taps` to the differences between neighbouring kernel values on one side of the uniform interior:
+/// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -161,9 +161,10 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
     taps.back() = after - before;
 }
 
-/// Adds adjacent splats that share a kernel to one row of the block. (x, y) is the position of the first
-/// splat's anchor, relative to the upper left corner of the block. `sums` contains the values of the pixels,
-/// and `changes` the differences between neighbouring pixels.
+/// Adds adjacent splats that share a kernel to one row of the block.
+/// - `x`, `y`: position of the first splat's anchor in the block
+/// - `sums`: values of the pixels
+/// - `changes`: differences between neighbouring pixels
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,
@@ -174,8 +175,8 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
         convolve<Values>(values, taps, x + row.x_begin, y, 0, width, sums);
         return;
     }
-    // Inside the uniform part of the row, the differences between neighbouring pixels are 0. Only the two
-    // edges of this part are therefore added.
+    // Inside the uniform part of the row, the differences between neighbouring pixels are 0. Only its two
+    // edges are added.
     int from = 0;
     if (x + row.x_begin < 0) {
         Values sum{};
@@ -219,7 +220,6 @@ __attribute__((always_inline)) inline void add_one(const Values& values, const K
     add(changes, std::min(right_begin, width), -inner);
 }
 
-/// Adds splats of one row to a block.
 template <typename Values>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
@@ -269,8 +269,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds the prefix sums of `changes` to `sums`. `changes` contains the differences between neighbouring
-/// pixels of a row. The row has `width` pixels with `numbers` values per pixel.
+/// Adds the prefix sums of `changes` (differences between neighbouring pixels of a row) to `sums`. Each of
+/// the `width` pixels has `numbers` values.
 template <std::size_t numbers>
 __attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

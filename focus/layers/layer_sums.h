@@ -1,5 +1,4 @@
-// Sums the splats (impulse responses) of one LayerPart over a block of pixels. A LayerPart is, for example, a
-// surface.
+// Sums the splats (impulse responses) of one LayerPart, for example a surface, over a block of pixels.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +12,8 @@ namespace postlens {
 
 /// Sums of colour, weight and depth, each multiplied by the kernel, for each pixel of a block.
 ///
-/// The uniform interior of a kernel row is added as differences between neighbouring pixels, which `finish`
-/// sums up. The cost of a splat is therefore proportional to the length of its kernel's outline.
-///
-/// Adjacent splats that share a kernel are added together, row by row, which is three times as fast.
+/// The uniform interior of a kernel row is stored as differences between neighbouring pixels. The cost of a
+/// splat is thus proportional to the length of its kernel's outline.
 class LayerSums {
   public:
     /// Values per pixel without and with lens moments. Vectors of eight values fit into one register of
@@ -24,13 +21,11 @@ class LayerSums {
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
     /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
-    /// Samples lie `from_anchor_px` to the right of their anchors (integer raster positions) and as far below
-    /// them.
+    /// Samples lie `from_anchor_px` to the right of and below their anchors (integer raster positions).
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats of one row of samples, with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Sums up the differences between neighbouring pixels along each row. Call it after the last splat and
-    /// before reading the sums.
+    /// Completes the sums. Call it after the last splat and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }

@@ -20,14 +20,14 @@ constexpr int block_height = layers_block_px;
 /// about 200 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. Stores all three channels, or
-/// only `channel` if each channel has its own kernels.
+/// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. If each channel has its own
+/// kernels, only `channel` is stored.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
     // `open` is the share of the lens that transmits light to this pixel (vignetting). A surface that fills
-    // the pixel has the weight `open`, which is scaled to 1 here.
+    // the pixel has the weight `open`, which is scaled to 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -38,22 +38,21 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Colours are clamped to the range of the recorded colours. They may leave this range because of
-        // rounding errors, and because colours are approximated as linear functions of the lens point.
+        // Colours are clamped to the range of the recorded colours. Rounding and the linear approximation
+        // over the lens may exceed it.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// Returns whether the splats of a part need lens moments, which state through which side of the lens light
-/// passes. They are only needed for compositing by depth. Only the surface itself is composited by depth, not
-/// the light that it reflects or transmits.
+/// Returns whether a part needs lens moments, which state through which side of the lens light passes. Only
+/// the surface itself is composited by depth and needs them, not its reflections and transmissions.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// A block of the image, and the indices, in ascending order, of the cells (groups of neighbouring splats)
-/// that reach it.
+/// A block of the image, and the ascending indices of the cells (groups of neighbouring splats) that reach
+/// it.
 struct Block {
     RasterWindow window;
     std::vector<std::uint32_t> cells;
@@ -83,7 +82,7 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// The cells (groups of neighbouring splats) of one part that reach a block, as a range [begin, end) of
+/// The cells (groups of neighbouring splats) of one part that reach a block: a range [begin, end) of
 /// Block::cells.
 struct PartCells {
     const LayerPart* part;
@@ -106,12 +105,11 @@ void find_parts(const LayerSplats& splats, const Block& block, std::vector<PartC
     }
 }
 
-/// Computes blocks one after another, in one thread, and reuses its buffers.
+/// Computes blocks one after another, in one thread. It reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Computes the pixels of a block.
     void run(const Block& of, Image& image);
 
   private:
@@ -211,8 +209,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Returns whether a surface may overlap another one in the block. Only overlapping surfaces need lens
-// moments, which state through which side of the lens their light passes.
+// Returns whether a surface may overlap another one in the block. Only then are lens moments needed, which
+// state through which side of the lens light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;

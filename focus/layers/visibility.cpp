@@ -13,9 +13,9 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage that varies over the lens, as a linear function of the lens point q: S(q) =
-/// mean + 4 tilt . q. `tilt` is the mean of S(q) q over the lens, in lens radii. The factor 4 is needed
-/// because the coordinates of q have the variance 1/4.
+/// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q. `tilt` is
+/// the mean of S(q) q over the lens, in lens radii. The factor 4 compensates for the variance 1/4 of q along
+/// each axis.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -25,15 +25,15 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of some light, from 0 to 1, that is transmitted. `sum` is the amount of light.
-    /// `moment` is its lens moment, the sum of light times the lens point through which it passed.
+    /// Returns the fraction of some light that is transmitted, from 0 to 1. `sum` is the amount of light.
+    /// `moment` is the sum of light times the lens point through which it passed.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
 };
 
-/// A surface that has already been composited, and thus lies in front of all following surfaces.
+/// A surface that has been composited. It lies in front of all following surfaces.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -57,9 +57,8 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Surfaces that lie in one plane have nearly equal depths. Rounding errors would decide their order. The
-    // surface with the smaller alpha is therefore composited first. Otherwise a wall that fills the pixel
-    // could hide an emitter on the wall.
+    // Rounding errors would decide the order of surfaces in one plane, so the smaller alpha comes first.
+    // Otherwise, a wall that fills the pixel could hide an emitter on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -84,6 +83,7 @@ struct Arrived {
     double alpha = 0;
     LensMoment lens;  ///< lens moment of alpha
 
+    /// Adds `light`, multiplied by `times` and by the transmittance `open`.
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
         const double shown = times * open.passing(light.rgb[0] + light.rgb[1] + light.rgb[2], light.lens.rgb);
@@ -97,12 +97,11 @@ struct Arrived {
     }
 };
 
-/// Returns the coverage by surfaces in front that move together with a given surface when the lens point
-/// moves. `radius_px` is the signed CoC radius of the given surface. The search begins directly in front of
-/// it and runs towards the lens. It ends at a surface that moves independently, because all surfaces nearer
-/// to the lens do so as well.
+/// Returns the coverage by surfaces that move together with the given surface when the lens point moves.
+/// `radius_px` is the signed CoC radius of the given surface.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
+    // The search runs towards the lens. All surfaces in front of an independent one are independent, too.
     for (std::size_t i = laid.size(); i-- > 0;) {
         const double apart = independence(radius_px, laid[i].radius_px);
         if (apart >= 1) break;
@@ -129,22 +128,21 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // A surface in front that moves together with `f` over the lens hides nothing of f.seen, the part
-        // that the pinhole sees. Its coverage is therefore added back to the transmittance for f.seen.
+        // Surfaces that move together with `f` over the lens hide nothing of f.seen, the part that the
+        // pinhole sees. Their coverage is therefore added back to the transmittance.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // Limit the coverage by this surface. The upper limit is the share of the lens that is still
-        // uncovered. The lower limit is the surface's own alpha minus what the surfaces in front can hide of
-        // it: their coverage, or f.covered if that is larger.
+        // Limit the coverage by this surface. It is at most the uncovered share of the lens. It is at least
+        // the surface's own alpha minus the coverage by the surfaces in front (or f.covered, if larger).
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, it
-        // restores a fraction of the hidden alpha, and the same fraction of the hidden light. Scaling up the
-        // remaining light instead could make a pixel arbitrarily bright if its alpha is almost 0.
+        // A reduced alpha reduces the light in the same ratio. An increased alpha restores a fraction of the
+        // hidden light. Scaling up the remaining light could make a pixel arbitrarily bright if its alpha is
+        // almost 0.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -154,8 +152,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limit the lens moment of the transmittance. The uncovered part of the lens has the area A =
-        // free.mean, as a fraction of the lens. The moment of a part with this area is at most A (1 - A).
+        // Limit the lens moment of the transmittance. The moment of an uncovered part with the area A, as a
+        // fraction of the lens, is at most A (1 - A).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

@@ -9,17 +9,17 @@
 
 namespace postlens {
 
-/// The largest distance, in px, to which the lens spreads light at each pixel corner of the outermost
-/// recorded rows and columns. It is the CoC radius, or more if there is spherical aberration.
+/// How far the lens spreads light from each pixel corner of the outermost recorded rows and columns, in px.
+/// It is the CoC radius, or more with spherical aberration.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Raises the radius at the position of a sample to `radius_px`, if the sample lies on the border. `y` is
-    /// the sample's row of pixels. Several threads may add different rows at the same time.
+    /// Raises the radius at a sample's position to `radius_px`, if the sample lies on the border. `y` is the
+    /// sample's row of pixels. Several threads may add different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Raises the radii at the corners of the pixel (x, y) to `radius_px`, if they lie on the border.
+    /// Raises the radii at those corners of the pixel (x, y) that lie on the border to `radius_px`.
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

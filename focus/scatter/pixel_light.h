@@ -1,4 +1,4 @@
-// The light of one sample of another program's image, which is the input of SplatTables and LayerSplats.
+// The light of one sample of another program's image, the input of SplatTables and LayerSplats.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Light at one depth in a pixel. It is placed at the centre of the pixel, because the values of pixels and
-/// kernels are means over a pixel's area.
+/// Light at one depth in a pixel. It is placed at the pixel's centre, because pixel values and kernels are
+/// means over the pixel's area.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing

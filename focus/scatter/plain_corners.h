@@ -1,6 +1,5 @@
-// Plain corners are samples at pixel corners. No pixel around them is divided into smaller cells, and they
-// have no reflections or refractions. Most samples of a frame are plain corners. They are therefore stored
-// compactly, as arrays of depth, r, g and b.
+// Plain corners: samples at pixel corners between undivided pixels, without reflections or refractions. Most
+// samples are plain, so they are stored compactly, as arrays of depth, r, g and b.
 #pragma once
 
 #include <array>
@@ -14,8 +13,8 @@
 
 namespace postlens {
 
-/// Returns whether a sample lies at a pixel corner and none of the four pixels around it is divided into
-/// smaller cells.
+/// Returns whether a sample lies at a pixel corner and the four pixels around it are not divided into smaller
+/// cells.
 [[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
     return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
 }
@@ -23,21 +22,19 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The plain corners of some rows, with one element per pixel corner, row by row. A plain corner has weight
-/// 1, and only its first surface has radiance. Corners on the border of the raster have fewer than four
-/// pixels around them and are never plain.
+/// The plain corners of some rows, one element per pixel corner, row by row. A plain corner has weight 1, and
+/// only its first surface has radiance. Corners on the border of the raster are never plain.
 struct PlainCorners {
-    /// 1/z' of the corner at each column, in 1/m. Corners that are not plain have the value `not_plain`.
+    /// 1/z' of the corner at each column, in 1/m, or `not_plain`.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// All other point samples, in order, as indices into PointSamples::samples. Those of row i are the
-    /// elements [other_begin[i], other_begin[i + 1]) of `others`.
+    /// All other point samples, as indices into PointSamples::samples. Those of row i are [other_begin[i],
+    /// other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
-    /// Summary of the plain corners in a row: their range of depths, and whether any of them has a negative
-    /// colour.
+    /// Summary of the plain corners in a row.
     struct Row {
-        /// Smallest and largest 1/z' of the corners at a finite depth, in 1/m. If there are no such corners,
-        /// the smallest is larger than the largest.
+        /// Smallest and largest 1/z' of the corners at a finite depth, in 1/m. Without such corners, the
+        /// smallest is larger than the largest.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
         bool negative = false;  ///< some colour is negative
     };
@@ -46,8 +43,7 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain corners in the rows of `samples`. `band` contains the records of these rows. Reuses the
-/// memory of `out`.
+/// Finds the plain corners in the rows of `samples`, whose records are in `band`. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -99,8 +99,7 @@ void PointScatter::run(const RasterWindow& rows) {
     stride_ = static_cast<std::size_t>(rows.width()) + 1;
     sum_.resize(std::max(sum_.size(), 4 * stride_ * static_cast<std::size_t>(rows.height())));
     change_.resize(sum_.size());
-    // Each row has one extra pixel. If the uniform interior of a kernel row ends at the last pixel, the
-    // difference that ends it is stored in the extra pixel.
+    // Each row has one extra pixel. It stores the difference that ends an interior at the last pixel.
     const std::size_t values = 4 * (static_cast<std::size_t>(reached_.width()) + 1);
     for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
         for (auto* buffer : {&sum_, &change_})

@@ -9,33 +9,30 @@
 
 namespace postlens {
 
-/// Sums over a few pixel rows of a block: of colour times kernel in channels 0 to 2, and of weight times
-/// kernel in channel 3.
+/// Sums over a few pixel rows of a block: colour times kernel in channels 0 to 2, weight times kernel in
+/// channel 3.
 ///
-/// The pixels on the outline of a kernel are added one by one. For the uniform interior of a wide row, only
-/// differences are stored: its value is added at its first pixel and subtracted after its last one. Running
-/// sums along each row then yield the interior. All sums use double, because in float every bright sample
-/// would leave a rounding error to its right.
+/// The uniform interior of a wide kernel row is stored as differences: its value is added at its first pixel
+/// and subtracted after its last one. Running sums along the row then yield the interior. Sums use double,
+/// because with float every bright sample would leave a rounding error to its right.
 class PointScatter {
   public:
-    /// `channel` is the colour channel whose kernels are used if each channel has its own kernels.
+    /// `channel` selects the kernels if each colour channel has its own.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
-    /// Computes the sums of all splats that reach `rows`, which is a part of tables.picture().
+    /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that splats may reach, which may be empty. Outside it, sums are zero and not
-    /// stored.
+    /// The part of `rows` that splats may reach, possibly empty. Outside it, sums are zero and not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// Returns the sums of red, green, blue and weight of a pixel within reached(). Those of the next pixels
-    /// of the row follow.
+    /// Returns the sums of red, green, blue and weight of a pixel within reached(), followed by those of the
+    /// next pixels of the row.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row that may reach rows_ and have kernels of similar size (one of the
-    /// reach_classes).
+    /// The splats of one source row that may reach rows_ and belong to one reach class (similar kernel size).
     struct Pass {
         std::span<const Splat> splats;
         int y;

@@ -9,17 +9,17 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows that are summed in float before the sums are added to sums in double. It is so small
-/// that the rounding error of float does not matter.
+/// Number of source rows that are summed in float before they are added in double. It is so small that the
+/// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered together for one strip (64 columns of a block) before the next
-/// strip. The sums of a strip then usually stay in the L1 cache.
+/// Number of source rows that are filtered for one strip (64 columns of a block) before the next strip. The
+/// sums of a strip then usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// The 64 pixels in a row of a strip form 8 vectors of 8 floats. These are few enough for the registers, and
-/// enough to keep the overhead of the loop small.
+/// A strip's row of 64 pixels has 8 vectors of 8 floats. These fit into the registers and keep the loop's
+/// overhead small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -29,7 +29,7 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Arguments of filter_strip, which filters a source row with a kernel and adds the result to the sums of one
+/// Arguments of filter_strip, which filters a source row with a kernel. It adds the result to the sums of one
 /// strip (64 columns of a block).
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
@@ -38,13 +38,13 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
-/// A range [begin, end) of kernel rows dy, the rows that reach pixels of the block.
+/// The kernel rows dy that reach pixels of the block, as a range [begin, end).
 struct RowRange {
     int begin, end;
 };
 
-/// Filters the source row with each kernel row dy. Kernels are symmetric, so the result belongs to two rows
-/// of the image, to which it is added: `down` + dy and `up` - dy.
+/// Filters the source row with each kernel row dy. Kernels are symmetric, so the result is added to two rows
+/// of the image, `down` + dy and `up` - dy.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -89,8 +89,7 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the result of filtering a source row in which all values are 1. This is the sum of the kernel row, so
-/// no filtering is needed.
+/// Adds the result of filtering a source row of ones, which is the sum of each kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -129,9 +128,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// The colours of the line (the filtered part of the source row), for each channel. `in_raster` points to
-    /// them in the raster if the run covers all of these columns. Otherwise it is null, and a copy begins at
-    /// index `line_at` of lines_. The running sums of the colours begin at index `running_at` of running_.
+    /// Colours of the line (filtered part of the source row), for each channel. If the run covers the line,
+    /// `in_raster` points to it in the raster. Otherwise `in_raster` is null, and a copy begins at
+    /// lines_[line_at]. The running sums begin at running_[running_at].
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -200,7 +199,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The kernel is symmetric: its rows -1 - dy and dy are equal, so only those with dy >= 0 are used.
+    // The kernel is symmetric, so only its rows dy >= 0 are used. Row -1 - dy equals row dy.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -217,8 +216,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
     // A line is the part of a source row that is filtered for a run (adjacent samples with the same disc). It
-    // contains the columns of all strips that the run reaches, and `reach` more columns on either side for
-    // the kernel. The running sums need one more column.
+    // covers all strips that the run reaches, and `reach` more columns on either side. The running sums need
+    // one more column.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -239,8 +238,7 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // Strips read the line in an order that the hardware prefetcher does not predict, so it is prefetched
-        // here.
+        // The strips' reading order defeats the hardware prefetcher, so the line is prefetched here.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;
@@ -274,7 +272,7 @@ void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
             source[c] =
                 tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
-    // Three independent chains of additions are interleaved, which hides their latency.
+    // Interleaving three independent chains of additions hides their latency.
     double r = 0, g = 0, b = 0;
     for (std::size_t i = 0; i < inside; ++i) {
         running[0][i] = r;

@@ -1,5 +1,5 @@
-// Scatters runs with SIMD. A run consists of adjacent samples at pixel corners whose impulse responses are
-// the same disc.
+// Scatters runs with SIMD. A run consists of adjacent samples at pixel corners whose impulse response is the
+// same disc.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,14 @@ namespace postlens {
 
 /// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
-/// Discs are centred on integer coordinates, so kernels are symmetric. A filtered source row is therefore
-/// used for two rows of the image, and the single values of a kernel row (taps) come in pairs.
+/// Kernels are symmetric, because discs are centred on integer coordinates. A filtered source row is
+/// therefore used for two rows of the image. The single values of a kernel row (taps) come in pairs.
 ///
-/// The interior of a kernel row is computed as a difference of running sums. Running sums use double, so that
-/// a bright sample leaves no rounding error to its right. All other sums are computed in float for a few
-/// source rows and then added in double. The order of every sum depends only on the tables, not on threads.
+/// The interior of a kernel row is a difference of running sums. These use double, so that a bright sample
+/// leaves no rounding error to its right. The order of every sum is independent of threads.
 class RunScatter {
   public:
-    /// Number of columns in a strip. Blocks of pixels are divided into strips.
+    /// Number of columns in a strip. A block of pixels is divided into strips.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);
@@ -28,12 +27,12 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, which is a
-    /// part of tables.picture(). Returns false and computes nothing if no run reaches the block.
+    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
+    /// tables.picture(). Returns false if there are none.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of `channel` in row y, for a strip (strip_width adjacent columns of the block of
-    /// pixels). Channels 0 to 2 are colours, channel 3 is the weight. Sums beyond the block are undefined.
+    /// Returns the sums of `channel` in row y of a strip (strip_width columns of the block). Channels 0 to 2
+    /// are colours, channel 3 is the weight. Sums beyond the block are undefined.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }
@@ -58,8 +57,8 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// partial_ contains the sums over the last few source rows, and total_ the sums over all rows before
-    /// them. They are stored strip by strip, with the rows of a strip one after another.
+    /// partial_ contains the sums over the last few source rows, and total_ those over all rows before. They
+    /// are stored strip by strip, and row by row within a strip.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

@@ -15,22 +15,20 @@
 namespace postlens {
 namespace {
 
-// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). The rows of a block that one disc
-// covers should fit into the L2 cache. Larger blocks share more work, and smaller blocks keep more threads
-// busy.
+// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). The rows that one disc covers
+// should fit into the L2 cache. Larger blocks share more work, smaller blocks keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of pixel rows that one call of PointScatter computes. A call needs 64 B per pixel of these rows,
-/// and tests every splat.
+/// Number of pixel rows per call of PointScatter. A call needs 64 B per pixel and tests every splat.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// The sums of one row of a strip. Each element points to the strip_width values of one channel.
+/// The sums of one row of a strip: strip_width values of each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel: `weight`, the sum of the weights of its samples, plus the weight of empty
-/// space. That is 1 - `weight`, limited to the range from 0 to `most_nothing`.
+/// Returns the divisor of a pixel: its sum of weights, plus the weight of empty space. The latter is 1 -
+/// `weight`, limited to the range from 0 to `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -42,8 +40,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Rounding errors may make a value slightly negative. Values are therefore clamped to 0, unless the scene
-    // has negative colours.
+    // Rounding errors may make a value slightly negative. It is clamped to 0, unless the scene has negative
+    // colours.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -54,7 +52,7 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
 }
 
 /// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
-/// in `points` must come from the kernels of this channel. Only this channel and the weight are read.
+/// in `points` must come from this channel's kernels.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -73,8 +71,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds up the sums of runs and of single splats in a few rows of a block, normalises them and stores the
-/// result. A run consists of adjacent samples with the same disc. `runs` is null if no run reaches the block.
+/// Adds the sums of runs (adjacent samples with the same disc) and of single splats in a few rows of a block,
+/// normalises and stores them. `runs` is null if no run reaches the block.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};

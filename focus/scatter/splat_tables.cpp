@@ -13,17 +13,16 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Adjacent samples with the same disc can be added as one run or as single splats. Returns the number of
-/// samples from which a run is faster. The cost of a run is proportional to the area of the disc, and that of
-/// a splat to the length of its outline. Measured with bench/scatter_bench.cpp.
+/// Returns the number of adjacent samples with the same disc from which adding them as one run is faster than
+/// as single splats. A run costs the area of the disc, a splat the length of its outline. Measured with
+/// bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 }  // namespace
 
-/// Builds the splats of one row of pixel corners at a time. Only the data of this row are written, so several
-/// threads may build different rows.
+/// Builds the splats of one row of pixel corners at a time. Several threads may build different rows.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
@@ -41,7 +40,7 @@ class SplatTables::RowBuilder {
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
     /// Adds the splats of one record of a sample. Colour and `weight` are multiplied by the sample's weight.
-    /// `weight` is 0 for reflected and transmitted records, which do not count in the normalisation.
+    /// `weight` is 0 for reflected and transmitted records, which normalisation ignores.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -82,8 +81,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC is that of directly visible surfaces at a finite depth. In mirrors and glass, the CoC
-    // has no upper limit near a caustic. The CoC of empty space is not visible.
+    // The largest CoC counts directly visible surfaces at a finite depth. In mirrors and glass, the CoC has
+    // no limit near a caustic. The CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -117,8 +116,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain corners of a row (samples of undivided pixels without reflections). This is faster than
-// calling add_sample for each of them, and a test checks that the result is the same.
+// Adds the plain corners of a row (samples of undivided pixels without reflections). The result equals that
+// of add_sample, but is faster.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -130,8 +129,7 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // The signed CoC radius is a linear function of 1/z'. The nearest or the farthest corner therefore has
-    // the largest radius.
+    // The signed CoC radius is linear in 1/z', so the nearest or the farthest corner has the largest.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -244,7 +242,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // A kernel may lie up to 1 px from its anchor (integer raster position), so 1 px is added.
+    // 1 px is added, because a kernel may lie up to 1 px from its anchor (integer raster position).
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -295,8 +293,7 @@ std::size_t reach_class(const Reach& reach) {
                                     limits_px.begin());
 }
 
-// Sorts the splats of a row by how far they reach (reach_classes). Within a class they remain sorted by
-// column.
+// Sorts the splats of a row by reach class (kernel size), then by column.
 void SplatTables::sort_by_reach(SplatRow& row) const {
     const std::vector<Splat> unsorted = row.splats;
     std::vector<std::uint8_t> classes;
@@ -348,8 +345,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again for this strip contribute only the splats that reach far from their row.
-    // These splats were kept when the rows were first added.
+    // Rows that are not added again contribute only splats that reach far from their row. These were kept
+    // when the rows were first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

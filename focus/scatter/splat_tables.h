@@ -1,4 +1,4 @@
-// Builds splats (impulse responses of samples) from records, sorted by source row, as the input of
+// Builds splats (impulse responses of samples) from records, sorted by source row. They are the input of
 // scattering.
 #pragma once
 
@@ -26,36 +26,35 @@ namespace postlens {
 /// Returns the largest distance between a splat in `source` and a pixel in `picture`, along each axis.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// The impulse response of one record of a point sample. The record's colour is multiplied by the sample's
-/// weight. `weight` is 0 for reflected and transmitted records, so that each point sample counts only once in
-/// the sum of weights that normalises a pixel.
+/// The impulse response of one record of a point sample. Its colour is multiplied by the sample's weight.
+/// `weight` is 0 for reflected and transmitted records, so that a sample counts only once when a pixel is
+/// normalised.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, that have weight 1 and the same
-/// disc as impulse response. Their colours are stored in SplatTables::raster_row.
+/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, with weight 1 and the same disc.
+/// Their colours are in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Number of classes into which the splats of a row are sorted by the size of their kernels. Blocks far from
-/// the row then test only the classes with large kernels.
+/// Number of classes that divide the splats of a row by kernel size. Blocks far from the row test only the
+/// classes with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Reach class c consists of the splats [class_begin[c], class_begin[c + 1]), whose kernels have similar
-    /// sizes. class_reach[c] contains all pixels that these splats reach, relative to their anchors.
+    /// Reach class c (splats of similar kernel size) is [class_begin[c], class_begin[c + 1]) of `splats`.
+    /// class_reach[c] contains all pixels that they reach, relative to their anchors.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// The pixel rows that the runs (adjacent samples with the same disc) of this row reach, relative to this
-    /// row.
+    /// Pixel rows that the runs (adjacent samples with the same disc) reach, relative to this row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
@@ -64,11 +63,11 @@ struct SplatRow {
     }
 };
 
-/// The splats of an image, sorted by row. Add each row once, in bands in any order, then call finish().
+/// The splats of an image, sorted by row. Add each row once, in any order, then call finish().
 class SplatTables {
   public:
-    /// `source` is the window of the recorded pixel corners, and `picture` is the window of the image's
-    /// pixels. `response` is the model of the impulse responses. If it is null, discs are used.
+    /// `source` is the window of the recorded pixel corners, `picture` that of the image's pixels. If
+    /// `response` (the model of the impulse responses) is null, discs are used.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -78,39 +77,37 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` contains the records of these
-    /// rows. It must also contain the row above and the row below, if the source window has them. Throws
-    /// Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must contain their records, and
+    /// those of the row above and the row below, if any. Throws Error(invalid_input) if a quadtree is
+    /// damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
     /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
-    /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
-    /// Several threads may add different rows at the same time.
+    /// Adds row y of another program's image. `lights` must be sorted by column; hidden samples are skipped.
+    /// Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill pixels in which the weights add up to less than 1. `most` contains, row by row,
-    /// the largest share of each pixel of the image that may be empty. Without this call, every pixel is
-    /// divided by its sum of weights, as if no part of it were empty.
+    /// Lets empty space fill pixels whose weights add up to less than 1. `most` is the largest empty share of
+    /// each pixel of the image, row by row. By default, no part of a pixel is empty.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
     /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
-    /// is added. Rows added before finish() then only determine which kernels and runs (adjacent samples with
-    /// the same disc) are needed.
+    /// is added. Rows added before finish() only determine which kernels and runs (adjacent samples with the
+    /// same disc) are needed.
     void survey() { keep_ = Keep::none; }
     /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
-    /// reach it are kept. Returns the ranges of rows [begin, end) that the caller must add once more, in this
-    /// order, before finish_strip(). For the first strip, these are all rows. The height of each strip must
-    /// be a multiple of `block_px`.
+    /// reach it are kept. Returns the ranges of rows [begin, end) to add once more, in this order, before
+    /// finish_strip().
     ///
-    /// Call it after finish(), once for each strip.
+    /// Call it after finish(), once for each strip. The height of each strip must be a multiple of
+    /// `block_px`.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of splats that reach the rows of blocks [begin, end). Splats are counted while rows
-    /// are added for the first strip, so call this function after finish_strip(). To count before the image
-    /// is divided into strips, begin with an empty strip.
+    /// Returns the number of splats that reach the rows of blocks [begin, end). Call it after finish_strip()
+    /// of the first strip, which may be empty.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -120,35 +117,34 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y, from column x_begin
-    /// on. Only the columns of the row's runs (adjacent samples with the same disc) are valid.
+    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only the columns of
+    /// the row's runs (adjacent samples with the same disc) are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The pixel rows that runs (adjacent samples with the same disc) in the whole table reach, relative to
-    /// their own row. class_reach contains the same information for the splats of one reach class.
+    /// The pixel rows that runs (adjacent samples with the same disc) of any row reach, relative to their own
+    /// row.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns, for each pixel of raster row y, the largest share that empty space may fill. Returns null if
-    /// let_nothing_fill was not called.
+    /// Returns the largest share of each pixel of raster row y that may be empty, or null if let_nothing_fill
+    /// was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Returns the largest CoC diameter of the directly visible surfaces at a finite depth, in px. It is not
+    /// Returns the largest CoC diameter of directly visible surfaces at a finite depth, in px. It is not
     /// rounded to a depth level.
     [[nodiscard]] double largest_coc_px() const;
     /// Returns the number of different radii of discs in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns whether any sample has a negative colour. If not, negative values of pixels are rounding
-    /// errors.
+    /// Returns whether any sample has a negative colour. If not, negative pixel values are rounding errors.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
 
@@ -168,8 +164,8 @@ class SplatTables {
     NodeResponses responses_;
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
-    /// Colours of the samples at pixel corners, one plane per channel. Only corners that belong to a run
-    /// (adjacent samples that share a disc) are initialised.
+    /// Colours of the samples at pixel corners, one plane per channel. Only corners in a run (adjacent
+    /// samples with the same disc) are initialised.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

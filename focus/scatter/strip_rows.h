@@ -14,10 +14,10 @@
 
 namespace postlens {
 
-/// Finds the rows of the file that must be read again for each strip of the image. An `Item`, for example a
-/// splat, belongs to a row of the file and reaches several pixel rows. Most items only reach pixel rows close
-/// to their own row. The few items that reach far are kept in memory, so that only rows close to a strip must
-/// be read again.
+/// Finds the rows of the file that must be read again for each strip of the image.
+///
+/// An `Item`, for example a splat, belongs to a row of the file and reaches several pixel rows. The few items
+/// that reach far are kept in memory. Thus only rows close to a strip must be read again.
 template <typename Item>
 class StripRows {
   public:
@@ -27,8 +27,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// `source` is the window of the file's rows. `picture` is the window of the image, which is divided into
-    /// blocks of `block_px` rows. A row of the file that is never added must be read for every strip.
+    /// - `source`: window of the file's rows; a row that is never added must be read for every strip
+    /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -37,7 +37,7 @@ class StripRows {
           rows_(static_cast<std::size_t>(source.height())) {}
 
     /// Removes the items of row y. Call it before these items are added again, in their original order.
-    /// Several threads may call this function and `add` at the same time, for different rows.
+    /// Several threads may call it and `add` for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -59,9 +59,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items. While they exceed the limit, the distance from which an item
-    /// counts as far is doubled, and nearer items are dropped. Call this function after each addition of
-    /// complete rows.
+    /// Limits the memory of the kept items, by increasing the distance from which an item counts as far. Call
+    /// it after each addition of complete rows.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -84,8 +83,7 @@ class StripRows {
     }
 
     /// Returns the rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end).
-    /// The ranges include short gaps of rows that are not needed, because reading them is faster than
-    /// starting a new range.
+    /// Short gaps are included, because reading them is faster than starting a new range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -101,8 +99,7 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of items that reach the rows of blocks [begin, end). Call it after all rows have
-    /// been added.
+    /// Returns the number of items that reach the rows of blocks [begin, end). All rows must have been added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -112,8 +109,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the kept items of a row, in order. These are the items that reach far. A row that is not read
-    /// again contributes only these items.
+    /// Returns the items of a row that reach far, in order. A row that is not read again contributes only
+    /// these.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
