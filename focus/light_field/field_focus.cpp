@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window.
-/// Returns an empty function if the lens point transmits light to all pixels.
+/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window. It is
+/// empty if all pixels get light.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -30,8 +30,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Divides the objects into classes that move alike on the raster. Each object with a motion of its own forms
-/// a class. All objects that move only with the camera are in class 0.
+/// Divides the objects into classes that move alike on the raster. Each object with its own motion is a
+/// class. Objects that move only with the camera are class 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -48,8 +48,7 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns the motion on the raster, from one instant to another, of each class of objects that move
-    /// alike.
+    /// Returns the motion on the raster between two instants, for each class.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -64,8 +63,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`, each with a weight and
-/// with the motion from this instant to `time_s`.
+/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`, with their weights and
+/// motions.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -74,8 +73,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether there is a pixel of the crop that no view sees. Such a pixel is filled from known pixels,
-/// which may lie outside the crop.
+/// Returns whether the crop has a pixel that no view sees. It is filled from known pixels, which may lie
+/// outside the crop.
 bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
     for (int y = crop.y; y < crop.y + crop.height; ++y) {
         for (int x = crop.x; x < crop.x + crop.width; ++x) {
@@ -132,13 +131,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // In a moving scene, a mirror and its reflection move differently on the raster. They are therefore drawn
-    // separately, which a negative follow_px requests.
+    // A mirror and its reflection move differently on the raster. A negative follow_px makes them be drawn
+    // separately.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // If something moves, some highlights are not spread by their impulse responses, but shown by the views:
-    // reflections in moving objects, and large highlights on moving surfaces.
+    // If something moves, the views show two kinds of highlights instead: reflections in moving objects, and
+    // large highlights on moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -163,8 +162,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, highlights can be selected only if all surfaces are in memory at once (leave_to_lens).
-        // Here the surfaces are read strip by strip, so no highlights are selected.
+        // With rays, highlights can be selected only if all surfaces are in memory (leave_to_lens). Here they
+        // are read strip by strip.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -186,7 +185,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// Returns a description of the light field without surfaces and views, which the caller adds.
+/// Returns the light field without surfaces and views.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
@@ -260,8 +259,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // The strips (groups of rows) may contain highlights. To find what hides a highlight, all surfaces
-        // that any lens point sees are needed, and not only those that a view sees.
+        // The strips (groups of rows) may contain highlights. Any surface that a lens point sees may hide
+        // them, so all these surfaces are needed.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
@@ -277,9 +276,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Highlights and rays need the surfaces that any lens point sees, and not only those that a view
-        // sees. With rays, the number of reflections in a piece (square of the image) decides how it is
-        // drawn. Counting them for the whole lens makes all calls decide alike.
+        // Highlights and rays need all surfaces that any lens point sees. With rays, the number of
+        // reflections in a piece (square of the image) decides how it is drawn. Counting them for the whole
+        // lens makes all calls decide alike.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

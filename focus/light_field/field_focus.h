@@ -1,5 +1,5 @@
-// The light field over lens and shutter. The records are reprojected to many views, each from its own lens
-// point and at its own instant. The image is the mean of the views.
+// The light field over lens and shutter. The image is the mean of many views, each reprojected from the
+// records to one lens point and instant.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@
 
 namespace postlens {
 
-/// The time during which the shutter is open, the weight of each instant, and the motion during this time.
+/// The time during which the shutter is open, the weight of each instant, and the motion.
 struct FieldShutter {
     const FrameMotion* motion = nullptr;
     double open_s = 0, close_s = 0;
@@ -35,45 +35,44 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels in which scattering is exact may be left out. In these pixels, nothing moves and all
-    /// views see a single surface. They are left out only if they make up at least this share of the image.
+    /// If set, pixels in which scattering is exact may be left out: nothing moves there, and all views see
+    /// one surface. They are left out only if they make up at least this share of the image.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
-    /// If present, only the pixels of the window within this crop are drawn, bit-identical to those of the
-    /// whole image. All other pixels are undefined.
+    /// The pixels of the window to draw; all other pixels are undefined. They are bit-identical to those of
+    /// the whole image.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit for the surfaces, in bytes. If all surfaces together need more, the image is drawn in
-    /// strips (groups of rows), and the surfaces are read again for each image. The result is bit-identical.
+    /// Memory limit for the surfaces, in bytes. Above it, the image is drawn in strips (groups of rows), with
+    /// bit-identical results.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces rays where the records do not determine what a view sees. If null, no rays are traced. With
-    /// rays, all pixels are drawn and none remains unknown. A highlight is then spread by its impulse
-    /// response only if its radiance is the same for all rays that hit it.
+    /// rays, no pixel remains unknown. A highlight is then spread by its impulse response only if all rays
+    /// that hit it get the same radiance.
     const SightRays* rays = nullptr;
 };
 
-/// The mean of the views, with one value per pixel of the window. Pixels that no view shows are filled from
-/// the pixels around them.
+/// The mean of the views. Pixels that no view shows are filled from the pixels around them.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
 
-/// The views [first, first + count) of a set, whose mean is an image. The lens points of a set form one
+/// The views [first, first + count) of a set. Their mean is an image. The lens points of a set form one
 /// scrambled Sobol sequence.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether a square piece of the image is drawn. If the function is empty, all pieces are drawn.
-    /// Pieces that are not drawn are filled from the pixels around them.
+    /// Returns whether a square piece of the image is drawn. If empty, all pieces are drawn. Other pieces are
+    /// filled from the pixels around them.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // The following functions are only used with rays. PatchViews describes them.
+    // The following functions are only used with rays (see PatchViews).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which this set of views belongs, if several images are drawn together. Sets that
-    /// belong to one image must draw different pieces of it.
+    /// Index of the image to which this set belongs, if several images are drawn together. Sets of one image
+    /// must draw different pieces of it.
     std::size_t picture = 0;
 };
 
@@ -94,19 +93,17 @@ class FieldFocuser {
 
     /// Draws the image of one set of views. The result is bit-identical for any number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws several sets of views together, which is faster than drawing them one after the other.
+    /// Draws several sets of views together, which is faster than one after the other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
 
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Returns the instant at which the fraction `u` (from 0 to 1) of the exposure's light has been
-    /// transmitted.
+    /// Returns the instant at which the fraction `u` (0 to 1) of the exposure's light has passed the shutter.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image that show a single surface and are therefore left out. Uses the surfaces
-    /// of the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if all
-    /// pixels must be drawn.
+    /// Finds the parts of the image that show a single surface and are therefore left out. Returns nothing if
+    /// all pixels must be drawn. If `strips` is given, its surfaces are used.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

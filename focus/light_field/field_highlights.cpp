@@ -14,39 +14,40 @@
 namespace postlens {
 namespace {
 
-/// A highlight counts as blurred if the smaller semi-axis of its CoC exceeds this, in px. The mean of the
-/// views would show such a highlight as separate dots.
+/// A highlight is blurred if the smaller semi-axis of its CoC exceeds this, in px. The mean of the views
+/// would show it as separate dots.
 constexpr double spread_from_px = 2;
-/// If the smaller semi-axis of a highlight's CoC is below this, in px, the whole lens sends the highlight's
-/// light to a single pixel.
+/// If the smaller semi-axis of a highlight's CoC is below this, in px, the whole lens sends its light to a
+/// single pixel.
 constexpr double seen_by_all_px = 0.5;
-/// A sharp highlight is spread by its impulse response only if the highlights of its sheet (part of a
-/// surface, within 16 x 16 px) have a smaller total area than this, in px^2. The limit is sharp_px2 if
-/// nothing hides a part of them. It is small_px2 for partly hidden ones in mirrors or behind glass, and 0 for
-/// others.
+/// A sharp highlight is spread by its impulse response only if the highlights of its sheet (surface within 16
+/// x 16 px) have a smaller total area than this, in px^2:
+/// - sharp_px2 if nothing hides a part of them
+/// - small_px2 for partly hidden ones in mirrors or behind glass
+/// - 0 for others
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// The highlights of one surface are merged within squares of this edge, in px.
+/// Highlights of one surface are merged within squares of this edge, in px.
 constexpr float merged_px = 0.5F;
-/// How often merged_px may be halved, down to squares of 1/8 px. Their centres are multiples of 1/16 px, to
-/// which the positions of kernels are rounded (KernelKey::phase_steps).
+/// How often merged_px may be halved, down to 1/8 px. The centres of such squares are multiples of 1/16 px,
+/// to which kernels are rounded (KernelKey::phase_steps).
 constexpr int most_halvings = 2;
-/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The sRGB curve has the slope 12.92 at
-/// dark values.
+/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The slope of the sRGB curve is 12.92
+/// there.
 constexpr double invisible = 0.5 / 255 / 12.92;
 /// Neighbouring moving highlights are merged within squares. Each square gives one light source per instant,
-/// so squares are larger if there are more instants. They are 1/8 px wide for up to moments_of_eighths
-/// instants, 1/4 px for up to moments_of_quarters, and merged_px for more.
+/// so squares are larger if there are more instants: 1/8 px up to moments_of_eighths, 1/4 px up to
+/// moments_of_quarters, merged_px above.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// A moving highlight becomes one light source per instant. If all moving highlights together would have more
-/// than most_moving sources, each gets fewer instants, but at least least_moments.
+/// Limit for the number of light sources of moving highlights, which have one source per instant. Above it,
+/// each highlight gets fewer instants, but at least least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. Light above this value is spread as a highlight.
 constexpr float white = 1;
-/// Smallest radiance above white, in any channel, of a highlight that does not move. The views show dimmer
-/// light with little noise.
+/// Smallest radiance above white, in any channel, of a highlight that does not move. Views show dimmer light
+/// with little noise.
 constexpr float least_radiance = 1;
-/// Edge, in px, of squares of the image. All highlights of a surface in one square share a computation of
+/// Edge of squares of the image, in px. Highlights of a surface in one square share one computation of
 /// visibility.
 constexpr double group_px = 1.5;
 
@@ -54,21 +55,20 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. An
-/// inclined surface looks larger from one side of the lens than from the other, so more light passes through
-/// that side. `slope` is the inclination (Highlight::slope).
+/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. The
+/// surface looks larger from one side of the lens, so more light passes through that side. `slope` is the
+/// inclination (Highlight::slope).
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px is halved for a highlight that does not move, so that no error is visible if
-/// all light within one square is spread from one point.
+/// Returns how often merged_px is halved for a highlight that does not move. Spreading all light of a square
+/// from one point must cause no visible error.
 ///
-/// Let a be the edge of the square, L the highlight's radiance, and A the area of its CoC. The square has the
-/// radiance L a^2 / A in the CoC. Its light is displaced by up to a / 2, and by a / 4 on the mean of the half
-/// that faces outwards, so a pixel that the rim of the CoC just reaches lacks up to a / 8 of this radiance.
+/// A square with the edge a and the radiance L adds L a^2 / A to its CoC of the area A. Merging displaces its
+/// light by a / 4 on average at the rim. A pixel at the rim thus lacks up to a / 8 of this radiance.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -109,12 +109,12 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // An impulse response cannot show that a surface inside a mirror hides a part of a reflection. Partly
-        // hidden, sharp highlights in a mirror are therefore left to the views. Very small ones are not,
-        // because few views would hit them.
+        // Partly hidden, sharp highlights in a mirror are left to the views: an impulse response cannot show
+        // that a surface in the mirror hides a part. Very small ones are spread, because few views would hit
+        // them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // The views show a partly hidden highlight if it is sharp. They also show it if it is wider than its
-        // blur: different parts of it would need different shadows of a nearer surface.
+        // The views show partly hidden highlights that are sharp. They also show those wider than their blur,
+        // whose parts need different shadows of a nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -240,13 +240,12 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. Views
-    // from the whole lens then decide whether the highlight is visible, and not only those near one lens
-    // point.
+    // from the whole lens then decide whether the highlight is visible.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A sharp moving highlight may cross the border between two pixels and is then divided at this border.
-    // Its impulse response would put all of its light into one pixel.
+    // A sharp moving highlight is divided at the borders of pixels. Its impulse response would put all its
+    // light into one pixel.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
@@ -272,8 +271,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     }
 }
 
-// Groups the highlights of one surface that lie in the same square of edge group_px. Visibility is computed
-// once per group, so the shadow of a nearer surface is displaced by less than group_px.
+// Groups the highlights of one surface within squares of the edge group_px. They share one computation of
+// visibility, which displaces shadows of nearer surfaces by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

@@ -1,5 +1,5 @@
-// Spreads the highlights of a light field with their exact impulse responses, except for the parts that
-// nearer surfaces hide.
+// Spreads the highlights of a light field with their exact impulse responses. Nearer surfaces may hide parts
+// of them.
 #pragma once
 
 #include <memory>
@@ -16,48 +16,48 @@
 
 namespace postlens {
 
-/// Returns the rule that selects the highlights to be spread by their impulse responses. The views show all
-/// other highlights. In the mean of a few views, a blurred highlight would appear as separate copies, one per
-/// view. No highlight is selected if the impulse response varies over the image or has spherical aberration.
+/// Returns the rule that selects the highlights to be spread by their impulse responses. In the mean of a few
+/// views, a blurred highlight would appear as separate copies, one per view. No highlight is selected if the
+/// impulse response varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
-/// through one lens point. The light is added if that lens point sees the highlight.
+/// The highlights that were taken out of the recorded surfaces. A pixel receives their light through one lens
+/// point each, if that lens point sees the highlight.
 ///
-/// Visibility is computed exactly for the brightest highlights of a tile, if they are seen directly and do
-/// not move. For these, the nearer surfaces are rasterised along the rays from the highlight (PointRays). For
-/// all other highlights, a few views decide whether the highlight is visible. These are the views nearest to
-/// the lens point and to the instant.
+/// Visibility is exact for the brightest highlights of a tile, if they do not move and are seen directly. The
+/// nearer surfaces are rasterised along the rays from the highlight (PointRays). For other highlights, the
+/// views nearest to the lens point and the instant decide.
 class FieldHighlights {
   public:
-    /// Keeps a reference to `sheets`, the surfaces whose highlights are spread. `window` contains the pixels
-    /// of the image. `motion` is null if nothing moves.
+    /// - `sheets`: the surfaces whose highlights are spread; must outlive this object
+    /// - `window`: the pixels of the image
+    /// - `motion`: null if nothing moves
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the light of the highlights for one set of views. `set` is the number of the set, and also a
-    /// random seed for the positions at which visibility is sampled. `instants` contains, for each view, the
-    /// fraction of the exposure that has passed. It may be empty if nothing moves. The result keeps a
-    /// reference to this object.
+    /// Returns the light of the highlights for one set of views. The result keeps a reference to this object.
+    /// - `set`: number of the set, and random seed of the positions at which visibility is sampled
+    /// - `instants`: for each view, the fraction of the exposure that has passed; may be empty if nothing
+    ///   moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
-    /// (Lights::aim). Each line connects a random point of a highlight with a lens point from which the pixel
-    /// sees this point. For sharp moving highlights, it is a random line through the pixel, at an instant at
-    /// which the highlight is near.
+    /// (Lights::aim). Each connects a random point of a highlight with a lens point from which the pixel sees
+    /// it. For sharp moving highlights, it is a random line through the pixel at an instant when the
+    /// highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the sources (merged highlights) whose light may reach a rectangle of the image.
-    /// The rectangle must lie within one row of tiles.
+    /// It must lie within one row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// A highlight that is merged with others into a source, which is spread like a single point of light.
-    /// The highlight is a square with the centre `at`, in px relative to the source's position. `area_until`
-    /// is the total area, in px^2, of this highlight and those before it in the source.
+    /// A highlight that is merged with others into a source, which is spread like a point of light.
+    /// - `at`: centre of the square highlight, in px relative to the source
+    /// - `area_until`: total area of this highlight and those before it in the source, in px^2
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -80,7 +80,7 @@ class FieldHighlights {
         std::uint32_t group = 0;                  ///< index into groups_
         std::uint32_t first_part = 0, parts = 0;  ///< elements of parts_
     };
-    /// Neighbouring highlights for which visibility is computed once, at their centre.
+    /// Neighbouring highlights that share one computation of visibility, at their centre.
     struct Group {
         Source middle;
         int column = 0, row = 0;  ///< position of the group's square in the grid of groups
@@ -89,8 +89,7 @@ class FieldHighlights {
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
     /// A group of neighbouring highlights whose light reaches a tile (square of the image). Visibility is
-    /// sampled at `samples` positions per pixel. If `samples` is 0, the views decide which highlights are
-    /// visible.
+    /// sampled at `samples` positions per pixel. If `samples` is 0, the views decide.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -99,20 +98,19 @@ class FieldHighlights {
     /// Returns a random point of a source (merged highlights), in image px. `choice` and `place` are random
     /// numbers in [0, 1).
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    /// Adds a source that merges several highlights, the last `parts` elements of parts_.
+    /// Adds a source that merges the last `parts` highlights of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of pixels within a tile (square of the image). `share` contains, for each pixel, the
-    /// fraction of a group of highlights that is visible.
+    /// A rectangle of pixels within a tile (square of the image), with the visible share of a group of
+    /// highlights in each pixel.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    /// Returns the fraction of a source's light that reaches the pixel (x, y) of the image if no surface
-    /// hides the source.
+    /// Returns the fraction of a source's light that reaches the pixel (x, y) if no surface hides the source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
-    /// Returns whether a sharp moving source passes so close to the pixel (x, y) that its light may reach the
-    /// pixel. A margin allows for errors of the recorded positions.
+    /// Returns whether the light of a sharp moving source may reach the pixel (x, y). A margin allows for
+    /// errors of the recorded positions.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;

@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. A kernel
-/// may be larger than the CoC, because similar kernels are replaced by one of a rounded size.
+/// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. Kernels may
+/// exceed the CoC, because their sizes are rounded.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
 /// A surface stays in memory for later strips if some view shows it more than far_px above or below its
-/// square of the raster (SheetMesh::square_px). All such surfaces together need at most most_far_bytes.
+/// square of the raster (SheetMesh::square_px). Together, such surfaces need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -36,8 +36,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// Returns the surfaces for which wanted(reach) is true. `reaches` contains the reach of each surface, the
-/// range of raster rows in which views may show it.
+/// Returns the surfaces for which wanted(reach) is true. `reaches` has the raster rows in which views may
+/// show each surface.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -53,7 +53,7 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // The memory is measured for an eighth of all rows of squares of the raster, but for at most six.
+    // Measure an eighth of all rows of squares, but at most six rows.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;

@@ -1,5 +1,5 @@
-// Provides the surfaces from which a light field is drawn. They are either all surfaces of a file or those
-// that reach a strip of the image.
+// The surfaces from which a light field is drawn: those of the whole file, or those that reach a strip of the
+// image.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// The surfaces of each recorded instant, in two forms. Sheets are the surfaces within squares of the raster.
-/// Patches are the planar parts of sheets, and refer to their sheets.
+/// The surfaces of each recorded instant. Sheets are the surfaces within squares of the raster. Patches are
+/// the planar parts of sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -34,23 +34,25 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates how much memory a file's surfaces and patches (planar parts of surfaces) need, in bytes per
-/// record. For this, the surfaces in a few rows of squares of the raster are built.
+/// Estimates the memory of a file's surfaces and patches (planar parts of surfaces), in bytes per record,
+/// from a few of its rows.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces of an image for one strip (group of rows) at a time, to save memory. A strip gets all
-/// surfaces that any view may show in it. The first read measures how far views displace each surface, and
-/// keeps the few surfaces that are displaced far. For later strips, only the rows close to the strip are
-/// read.
+/// Reads the surfaces for one strip (group of rows) of an image at a time, to save memory. A strip gets all
+/// surfaces that any view may show in it.
+///
+/// The first read measures how far views displace each surface, and keeps the few that are displaced far.
+/// Later reads need only the rows close to the strip.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views` describes the light field and its views, but contains no
-    /// surfaces. `lens_box_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px. It
-    /// limits how far blur carries the light of a highlight, and thus which rows are read for a strip.
-    /// `motion` is null if no highlight moves.
+    /// Keeps references to its arguments.
+    /// - `views`: the light field and its views, without surfaces
+    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px; it limits how far
+    ///   blur carries the light of a highlight
+    /// - `motion`: null if no highlight moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
@@ -58,13 +60,13 @@ class FieldStrips {
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
     /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Divides the window's rows into strips, each of which consists of whole rows of tiles (squares of the
-    /// image). A strip has at most `most_records` records, unless a single row of tiles already has more.
+    /// Divides the window into strips of whole rows of tiles (squares of the image). A strip has at most
+    /// `most_records` records, or a single row of tiles.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 
   private:
-    /// The raster rows [first, last) in which views may show a surface. The range is empty at first.
+    /// The raster rows [first, last) in which views may show a surface, initially empty.
     struct Reach {
         double first = std::numeric_limits<double>::infinity(), last = -first;
         void include(double from, double to) {
@@ -72,8 +74,8 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces of neighbouring squares of the raster that are kept in memory, because views displace them
-    /// far. `primary` and `deeper` contain the range of raster rows in which views may show each of them.
+    /// Surfaces that are kept in memory because views displace them far. `primary` and `deeper` contain the
+    /// raster rows in which views may show each of them.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -14,12 +14,12 @@ namespace {
 
 /// Number of attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// Factor for the number of lines that are aimed at sharp moving highlights near a pixel. It is large because
-/// many of these lines miss the highlight.
+/// Factor for the number of lines aimed at sharp moving highlights near a pixel. Many of these lines miss the
+/// highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface that pass near a pixel. `spans` contains the parts of the exposure
-/// during which they are near.
+/// Sharp moving highlights of one surface that pass near a pixel. They are near during the parts `spans` of
+/// the exposure.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -39,8 +39,7 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// Returns the instant at which the fraction `part` of the spans' total duration has passed. Spans are
-    /// parts of the exposure.
+    /// Returns the instant at which the fraction `part` of the spans' total duration has passed.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -137,8 +136,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // This value of `chosen` selects a moving highlight in `passing`. The line is random, because a
-            // line aimed at the recorded sources would miss parts of the highlight that are not recorded.
+            // `chosen` selects a moving highlight. The line is random, because aiming at the recorded sources
+            // would miss unrecorded parts of the highlight.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -157,9 +156,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // For a response smaller than a pixel, choose a random lens point and compute the line's position in
-        // the pixel. For a larger response, choose the position and compute the lens point. Otherwise few
-        // lines would pass through both the pixel and the lens.
+        // For a response smaller than a pixel, choose a random lens point and compute the position in the
+        // pixel. For a larger response, do the reverse. Otherwise few lines would pass through both the pixel
+        // and the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -1,5 +1,5 @@
-// Computes, for a set of views, the share of each highlight's light that reaches the pixels of a tile (square
-// of the image).
+// Computes the share of each highlight's light that reaches the pixels of a tile (square of the image) in a
+// set of views.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,30 +18,29 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight if its inverse depth 1/z' is larger than that of the highlight by more than
-/// this factor.
+/// A surface hides a highlight if its inverse depth 1/z' is larger by more than this factor.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile (square of the image). The cost of drawing one view
-/// of the tile is 1. The limit is the number of the tile's views if that is larger than this.
+/// Limit for the cost of all visibility samples of a tile (square of the image), relative to drawing one view
+/// of it. If the tile has more views than this, the limit is their number.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
-/// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
+/// Positions in a pixel at which visibility is sampled. They differ in rows and columns.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// The four points that represent a group of highlights, one for each visibility sample. They are relative to
-/// the group's centre, in standard deviations of the highlights' positions. They have mean 0 and variance 1
+/// The points that represent a group of highlights, one for each visibility sample. They are relative to the
+/// group's centre, in standard deviations of the highlights' positions. Their mean is 0 and their variance 1
 /// along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// A nearer surface casts one shadow for each highlight of a group. If the standard deviation of the shadows'
-/// positions, in px, is below this, a single shadow replaces them.
+/// A nearer surface casts one shadow for each highlight of a group. A single shadow replaces them if the
+/// standard deviation of their positions is below this, in px.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// Adds the light of the highlights to one set of views. Tables of the views nearest to each lens point
-/// decide whether a highlight is visible.
+/// Adds the light of the highlights to one set of views. The views nearest to each lens point decide whether
+/// a highlight is visible.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -69,17 +68,16 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The views that decide whether a highlight is visible. `nearest` is a table of `edge` x `edge` cells
-    /// over the lens, with the views nearest to each cell. `all` contains the views of the whole lens, which
-    /// decide whether a sharp highlight is visible (Source::by_all).
+    /// The views that decide whether a highlight is visible.
+    /// - `nearest`: the views nearest to each cell of a table of `edge` x `edge` cells over the lens
+    /// - `all`: views of the whole lens, which decide for sharp highlights (Source::by_all)
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Returns the three views nearest to each cell of a table over the lens, which has `edge` x `edge`
-    /// cells. Distances on the lens are in lens radii. `away2(view)` is added to the squared distance, to
-    /// take the distance in time into account.
+    /// Returns the three views nearest to each of `edge` x `edge` cells over the lens. Distances are in lens
+    /// radii. `away2(view)`, the squared distance in time, is added to the squared distance.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -90,16 +88,16 @@ class FieldHighlights::OverViews final : public Lights {
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
     /// Returns the groups of neighbouring highlights whose light reaches the tile (square of the image), with
-    /// the number of visibility samples per pixel for each group.
+    /// their numbers of visibility samples per pixel.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the visible share of a group of highlights in each pixel of `part`: the fraction of the views
-    /// that see the group's centre (seen_share).
+    /// Sets the visible share of a group of highlights in each pixel of `part` to the fraction of views that
+    /// see the group's centre.
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in
-    /// image px. Tested are the views near the lens point through which the source's light reaches the pixel,
-    /// or views of the whole lens if Source::by_all is set.
+    /// image px. The tested views are near the lens point through which the source's light reaches the pixel.
+    /// With Source::by_all, they are spread over the lens.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Returns whether one view sees the source at a pixel of the tile.
@@ -112,8 +110,8 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
     /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. The
-    /// distance of a view combines its distances on the lens and in time. The whole exposure counts as a
-    /// distance of `lens_radii_of_open` lens radii.
+    /// distance of a view combines its distances on the lens and in time: the whole exposure counts as
+    /// `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -138,8 +136,7 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
         // A view's distance in y from this row of cells is a lower bound of its distance from each cell.
-        // Views are visited in the order of this bound. The search ends when the bound exceeds the distance
-        // of the third-nearest view found so far.
+        // Views are visited in this order, until the bound exceeds the third-smallest distance.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {
@@ -197,7 +194,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // A highlight in a mirror or behind glass counts as visible if the view sees the mirror or glass.
+    // A highlight in a mirror or behind glass is visible if the view sees the mirror or glass.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -210,9 +207,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
         out.back().sources.push_back(i);
     }
     // Select the groups of highlights whose visibility is sampled, the brightest first. A sample draws the
-    // surfaces in front of a group. Its cost is the share of the tile that the group's light reaches, but at
-    // least least_cost. The total cost must not exceed the number of views or least_drawn, whichever is
-    // larger.
+    // surfaces in front of a group. It costs the share of the tile that the group's light reaches, but at
+    // least least_cost.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -246,10 +242,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which visibility is sampled. It differs between groups, so that not
-    // all of them miss the same nearer surface. It also differs between sets of views, so that the difference
-    // between their images shows the sampling error. It depends on the group's position instead of its
-    // number, which depends on the crop.
+    // Random offset of the positions at which visibility is sampled:
+    // - it differs between groups, so that not all of them miss the same nearer surface
+    // - it differs between sets of views, so that the difference of their images shows the sampling error
+    // - it depends on the group's position, because the group's number depends on the crop
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -263,8 +259,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Skip patches (planar parts of surfaces) behind the highlight. The loop does not end here,
-            // because patches are sorted by the depth of their upper left corner, not of their nearest point.
+            // Skip patches (planar parts of surfaces) behind the highlight. Patches are not sorted by their
+            // nearest point, so the loop does not end here.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -279,8 +275,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // A nearer surface casts one shadow for each highlight of a group. If these shadows are visibly far
-    // apart, four points replace the group's centre. They have the same standard deviation as the highlights.
+    // A nearer surface casts one shadow for each highlight of a group. If these are visibly far apart, four
+    // points with the same standard deviation replace the group's centre.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -325,8 +321,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // The visible share of each pixel is computed once for all highlights of a group in two cases: if the
-        // group has visibility samples, or if all views test it (by_all) and it does not move.
+        // The highlights of a group share the visible share of each pixel if the group has visibility
+        // samples. They also share it if all views test it (by_all) and it does not move.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// What a ray can determine about a surface: the path, the id of the last reflecting or transmitting object,
-/// the id of the surface, and the square of the raster in which the surface lies.
+/// What a ray can determine about a surface: its path, the id of the last reflecting or transmitting object,
+/// its own id, and its square of the raster.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -36,9 +36,9 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// If bright light fills at least this share of the squares within its blur, many views show it, and impulse
-/// responses reduce the noise so little that more views take less time. With 0.5 instead of 0.9, `auto` took
-/// 0 to 70 % less time in four random scenes with a bright floor.
+/// Light that fills at least this share of the squares within its blur is left to the views. Many views show
+/// it, so impulse responses hardly reduce the noise. With 0.5 instead of 0.9, `auto` took 0 to 70 % less time
+/// in four random scenes with a bright floor.
 constexpr double filling = 0.5;
 
 /// Returns whether the bright light around a directly visible surface fills the squares within its blur.
@@ -57,9 +57,9 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the records contain all of a highlight's light, for every lens point. The parts of a
-/// directly visible highlight that nearer surfaces hide must be recorded. A highlight in a mirror or behind
-/// glass must have no hidden parts, and its reprojection must be accurate over the whole lens.
+/// Returns whether the records contain all of a highlight's light, for every lens point. If it is seen
+/// directly, its hidden parts must be recorded. In a mirror or behind glass, it must have no hidden parts,
+/// and its reprojection must be accurate over the lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -69,10 +69,9 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 /// Returns whether some lens points see a surface edge-on or from behind. The records then lack light that
 /// the lens sees.
 ///
-/// Rays through the pinhole measure the slope of the surface at random points of `lights`, the directly
-/// visible highlights of object `id`. A slope is steep if some point on the rim of the lens sees the surface
-/// edge-on. The result is true if at least half of the slopes are steep. A few steep slopes are normal,
-/// because even a round surface is steep at its outline.
+/// Rays through the pinhole measure the surface's slope at random points of `lights`, the directly visible
+/// highlights of object `id`. At least half of the slopes must be steep, because even a round surface is
+/// steep at its outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

@@ -21,19 +21,19 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Returns whether the impulse response comes from the aperture of a thin lens, and not from diffraction or a
-/// real lens. Only then can an image be made from views through single lens points.
+/// Returns whether the impulse response comes from the aperture of a thin lens, so that views through single
+/// lens points exist. Diffraction and real lenses have none.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);
 
-/// Returns the views [first, first + views) of a set. Each view has a lens point, a position in the pixel and
-/// an instant. Lens points are distributed according to the aperture's transmittance. The values come from a
-/// five-dimensional Sobol sequence [joe2008] with Owen scrambling [owen1995].
+/// Returns the views [first, first + views) of a set. Their lens points are distributed like the aperture's
+/// transmittance. Lens points, pixel positions and instants come from a five-dimensional Sobol sequence
+/// [joe2008] with Owen scrambling [owen1995].
 ///
-/// Sets are scrambled independently, so the difference between the means of two sets shows their noise. Half
-/// the squared difference is an unbiased estimate of the squared error of either mean. Throws
-/// Error(wrong_arguments) if `views` is below 1 or if the set would exceed most_lens_views.
+/// Sets are scrambled independently. Half the squared difference between the means of two sets is an unbiased
+/// estimate of the squared error of either mean. Throws Error(wrong_arguments) if `views` is below 1 or the
+/// set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

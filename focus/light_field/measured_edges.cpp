@@ -22,20 +22,19 @@ namespace {
 /// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
 /// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area, in px^2, below which a light counts as small. Pixels with a small light are measured with up to
-/// finest_rays x finest_rays rays near the recorded light. The error of its area is then at most 1 %. This is
-/// important, because the brightness of its circle of confusion is proportional to its area.
+/// Area, in px^2, below which a light counts as small. It is measured with up to finest_rays x finest_rays
+/// rays near the recorded light, so that its area has an error of at most 1 %. The brightness of its circle
+/// of confusion is proportional to this area.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// Number of squares, along each axis, into which the measured part of a pixel is divided. The rays that hit
-/// the light within a square form one highlight.
+/// Number of squares, along each axis, into which the measured part of a pixel is divided. The hits within a
+/// square form one highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured with edge_rays x edge_rays rays each, as a fraction of the
-/// number of pixels of all surfaces. The limit is at least least_measured pixels. If more pixels contain an
-/// edge, none are measured.
+/// Largest number of pixels that are measured with edge_rays x edge_rays rays, as a fraction of the pixels of
+/// all surfaces. At least least_measured pixels are allowed. If more contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// Highlights that cover more than this area in a pixel, in px^2, count as filling the whole pixel.
+/// Highlights that cover more than this area in a pixel, in px^2, fill it.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column
@@ -56,7 +55,7 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// Whether there was light at a border of the part: low is the left or upper one.
+    /// Whether there is light at the borders of the part: `low` left and above, `high` right and below.
     glm::bvec2 low{false}, high{false};
 };
 
@@ -66,20 +65,19 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns, in order, the pixels that an edge of the highlights crosses or may cross.
+    /// Returns, in order, the pixels that an edge of the highlights may cross.
     ///
-    /// Leaves out pixels in which a nearer surface hides a part of the light, because rays through the
-    /// pinhole do not reach that part. Unless the light is small, also leaves out pixels in mirrors and
-    /// glass, and pixels with more records than rays.
+    /// Leaves out pixels with partly hidden light, because rays through the pinhole do not reach the hidden
+    /// part. Unless the light is small, also leaves out pixels in mirrors and glass, and pixels with more
+    /// records than rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel that recorded light may cover, including light recorded in neighbouring
-    /// pixels.
+    /// Returns the part of a pixel that light recorded in it or in neighbouring pixels may cover.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Traces `across` x `across` rays through a part of a pixel, and returns the highlights that they hit.
+    /// Traces `across` x `across` rays through a part of a pixel. Returns the highlights that they hit.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
-    /// Returns the highlight nearest to the position (x, y) of those recorded in the pixel or in its eight
-    /// neighbours. At least one must be recorded there.
+    /// Returns the highlight nearest to (x, y) among those recorded in the pixel and its eight neighbours.
+    /// There must be at least one.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
 
@@ -96,8 +94,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A highlight may extend as far as the next record, that is, by the edge of its quadtree cell.
-            // light.area is a quarter of the cell's area, so the edge is 2 sqrt(light.area).
+            // A highlight may extend to the next record, by the edge of its quadtree cell. light.area is a
+            // quarter of the cell's area, so the edge is 2 sqrt(light.area).
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -117,7 +115,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
         first = {std::min(first.first, pixel.first), std::min(first.second, pixel.second)};
         last = {std::max(last.first, pixel.first), std::max(last.second, pixel.second)};
     }
-    // The raster contains the pixels of the highlights, and two more rows and columns on each side.
+    // Covers the pixels of the highlights, and two more rows and columns on each side.
     const Pixel origin{first.first - 2, first.second - 2};
     const auto width = static_cast<std::size_t>(last.second - first.second) + 5,
                height = static_cast<std::size_t>(last.first - first.first) + 5;
@@ -152,7 +150,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // Area of the light in 5 x 5 pixels, centred on this one. It decides whether the light is small.
+            // The area of the light in the 5 x 5 pixels around decides whether it is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {
@@ -185,8 +183,8 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] is the
-/// line through the pinhole and lights[i]. Reflected and transmitted highlights remain unchanged.
+/// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] passes
+/// through the pinhole and lights[i]. Other highlights remain unchanged.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -273,9 +271,9 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// Returns where light that was measured in a part of a pixel continues: in a larger part of the pixel if the
-/// light crosses a border of the part, and in the neighbours whose common border with the pixel it crosses.
-/// Neighbours get as many rays as small lights do, because fewer might miss a narrow light.
+/// Returns where light that was measured in a part of a pixel continues: in a larger part of the pixel, or in
+/// the neighbours whose common border it crosses. Neighbours get as many rays as small lights, because fewer
+/// might miss a narrow light.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;
@@ -340,8 +338,7 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
     std::vector<Highlight> out;
     for (const auto& [surface, edge] : edges) {
         std::map<Pixel, Measured> found;
-        // Light that is narrower than the distance of records continues into pixels without a record of it.
-        // Rays follow it there.
+        // Rays follow narrow light into neighbouring pixels that have no record of it.
         for (std::vector<EdgeArea> areas = edge; !areas.empty();) {
             std::vector<Measured> now(areas.size());
             parallel_for(areas.size(), [&, &of = surface](std::size_t i) {

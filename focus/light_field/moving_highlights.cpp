@@ -9,17 +9,17 @@
 namespace postlens {
 namespace {
 
-/// Number of instants at which a highlight's position is computed, to find its speed.
+/// Number of instants from which a highlight's speed is computed.
 constexpr int looks = 64;
-/// Largest distance that a moving highlight may cover between two of its instants: step_px (in px), or
-/// step_of_blur times its CoC radius if that is larger.
+/// Largest motion of a highlight between two instants: step_px (in px), or step_of_blur times its CoC radius
+/// if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// The exposure is divided into equal intervals, and a highlight has one instant in each. The instant lies in
-/// one of `turns` parts of the interval, selected by the fractional part of x * turn_x + y * turn_y. The
-/// factors, sqrt(5) and sqrt(5) - 1, give highlights a quarter or half a pixel apart different instants.
+/// A highlight has one instant in each equal interval of the exposure, in one of `turns` parts of the
+/// interval. The fractional part of x * turn_x + y * turn_y selects the part. The factors sqrt(5) and sqrt(5)
+/// - 1 give highlights a quarter or half a pixel apart different instants.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// Limit for the position and the CoC radius of a highlight, in px. A highlight that exceeds it is ignored.
+/// Limit for the position and the CoC radius of a highlight, in px. Highlights beyond it are ignored.
 constexpr double farthest_px = 1e5;
 
 }  // namespace
@@ -45,8 +45,8 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // Besides the highlight, two neighbouring points are moved. The parallelogram between the three points
-    // shows how much larger the highlight becomes, for example because its surface comes nearer.
+    // Two neighbouring points are moved as well. The parallelogram of the three points shows how much the
+    // highlight grows, for example because it comes nearer.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -18,19 +18,20 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// A moving highlight is spread as a streak of impulse responses if the highlights of its surface within
-    /// a square of the raster have a smaller total area than this, in px^2. Larger ones already form streaks
-    /// in the mean of the views.
+    /// A moving highlight is spread as a streak of impulse responses only if the highlights of its sheet
+    /// (surface within a square of the raster) have a smaller total area than this, in px^2. Larger ones
+    /// already form streaks in the mean of the views.
     static constexpr float largest_px2 = 64;
-    /// A highlight is spread as a streak if its radiance exceeds the limit for highlights by this. Dimmer
-    /// highlights already look smooth in the mean of the views.
+    /// A highlight is spread as a streak only if its radiance exceeds the limit for highlights by this.
+    /// Dimmer ones already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 
-    /// Returns the motion of an object from the recorded instant to another instant. At that instant, the
-    /// fraction `u` (from 0 to 1) of the exposure has passed.
+    /// Returns the motion of an object from the recorded instant to the instant at which the fraction `u` (0
+    /// to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// `moves` returns whether an object moves on the raster, and `map` returns its motion. `lens` determines
-    /// the size of the impulse responses.
+    /// - `moves`: whether an object moves on the raster
+    /// - `map`: the motion of an object
+    /// - `lens`: determines the size of the impulse responses
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
     /// Returns whether the surface with this key (its path and object) is seen directly and moves.
@@ -43,26 +44,25 @@ class HighlightMotion {
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Returns how many instants a highlight needs for its impulse responses to form a continuous streak.
-    /// From one instant to the next, the highlight may move and grow by at most half a pixel, or by a quarter
-    /// of its CoC radius if that is more. The number is a power of two, and at most `most_moments`. It is 1
-    /// if the highlight does not move.
+    /// Returns how many instants a highlight needs for a continuous streak. Between two instants, it may move
+    /// and grow by half a pixel, or by a quarter of its CoC radius if that is more.
+    ///
+    /// The number is a power of two, and at most `most_moments`. It is 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` instants, one in each of `count` equal parts of the exposure.
-    /// Instants are omitted if the highlight lies behind the camera, or if its light cannot reach an image.
-    /// For a highlight that does not move, the result has a single element with u = -1.
+    /// Returns the highlight at `count` instants, the middles of equal parts of the exposure. Instants are
+    /// omitted if its light cannot reach an image. A highlight that does not move gives one element with u =
+    /// -1.
     ///
-    /// Each instant is the middle of its part of the exposure. If `turned` is set, the instant is shifted by
-    /// an amount that depends on the raster position. Neighbouring highlights then have different instants,
-    /// so their common streak needs fewer instants of each.
+    /// `turned` shifts the instants by an amount that depends on the raster position. Neighbouring highlights
+    /// then have different instants, so their common streak needs fewer of each.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Divides the exposure into `count` equal parts. Returns, for each part, the motion of an object from
-    /// the recorded instant to the middle of the part. Several threads may call this function.
+    /// Returns the motion of an object from the recorded instant to the middle of each of `count` equal parts
+    /// of the exposure. Several threads may call this function.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Limit for the steepness of a patch (planar part of a surface). Seen from the edge of the lens, its size
-/// may differ by at most this fraction from its size seen from the centre.
+/// Limit for the steepness of a patch (planar part of a surface): largest relative difference between its
+/// sizes seen from the edge and from the centre of the lens.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -18,8 +18,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // The rectangle is enlarged by one pixel on each side, because the pixel filter and the scattered kernels
-    // extend beyond it.
+    // One pixel is added on each side, because the pixel filter and the scattered kernels extend beyond the
+    // rectangle.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -79,8 +79,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Count, in each cell, the pixels of all patches (planar parts of surfaces). If the count exceeds
-            // the area of the cell, the surface overlaps itself there.
+            // Count the pixels of all patches (planar parts of surfaces) in each cell. If they exceed the
+            // cell's area, the surface overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

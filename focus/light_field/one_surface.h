@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface.
-/// The value of a cell is 1 if the lens sees a single object there, whose surface neither overlaps itself nor
-/// is too steep for the lens, and otherwise 0. Cells are stored row by row.
+/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface. It
+/// is 1 for a single object whose surface neither overlaps itself nor is too steep for the lens, otherwise 0.
+/// Cells are stored row by row.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -23,18 +23,18 @@ struct OneSurface {
     }
     /// Returns the fraction of the cells that show a single surface.
     [[nodiscard]] double share() const;
-    /// Returns whether every cell that overlaps a rectangle of the window shows a single surface.
+    /// Returns whether all cells that overlap a rectangle of the window show a single surface.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Computes a OneSurface from the patches (planar parts of surfaces) of an image. The patches may be added in
-/// any order and in several parts.
+/// Computes a OneSurface from the patches (planar parts of surfaces) of an image, which may be added in
+/// several parts.
 class OneSurfaceFinder {
   public:
     /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds patches. `primary` contains those of directly visible surfaces, and `deeper` those of reflected
-    /// and transmitted surfaces. `deeper` may be empty.
+    /// Adds patches of directly visible surfaces (`primary`) and of reflected and transmitted ones (`deeper`,
+    /// may be empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

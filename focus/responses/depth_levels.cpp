@@ -17,12 +17,11 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many levels with equal steps of z' are needed, so that rounding changes the CoC diameter by at
-/// most half of linear_step_px. The near end determines the number: the CoC diameter is a linear function of
-/// 1/z', so it changes most there.
+/// Returns how many levels with equal steps of z' keep the rounding error of the CoC diameter within half of
+/// linear_step_px. The near end decides, because the CoC diameter is linear in 1/z' and changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Let z be the nearest depth and h half a step of z'. Rounding the depth z + h to z may change the CoC
-    // diameter by at most linear_step_px / 2. So gain (1 / z - 1 / (z + h)) = linear_step_px / 2.
+    // Let z be the nearest depth and h half a step of z'. Rounding z + h to z may change the CoC diameter by
+    // linear_step_px / 2, so gain (1 / z - 1 / (z + h)) = linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -96,8 +95,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth outside the range by at most half a step uses the level at the end of the range. Depths farther
-    // outside have no level. The depth of a directly visible surface is never outside the range.
+    // Depths up to half a step outside the range use the level at its end. Farther depths, which only
+    // reflected and transmitted surfaces have, get no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -1,5 +1,4 @@
-// The depth levels of [potmesil1981]. Impulse responses are computed only for these depths, and each sample
-// uses one of them.
+// The depth levels of [potmesil1981]: impulse responses are computed only for these depths.
 #pragma once
 
 #include <cstdint>
@@ -35,39 +34,34 @@ struct DepthRange {
 
 /// A set of depth levels. A sample uses the impulse response of the level nearest to its depth.
 ///
-/// If the number K of levels is given, K equal steps cover the range from the nearest to the farthest finite
-/// z'. There is one more level for infinity [potmesil1981].
-///
-/// If K is not given, it depends on the spacing. The inverse spacing uses the levels of LevelTable, which lie
-/// around the focus. Samples in focus are then exactly sharp, and equal CoCs in front of and behind the focus
-/// share a level. The linear spacing has enough levels to round the CoC to half a pixel, but at most
-/// `most_linear_levels`.
+/// If the number K of levels is given, K equal steps cover the finite depths z', and one more level is
+/// infinity [potmesil1981]. Otherwise, it depends on the spacing:
+/// - inverse: the levels of LevelTable, around the focus; samples in focus are exactly sharp, and equal CoCs
+///   in front of and behind the focus share a level
+/// - linear: enough levels to round the CoC to half a pixel, but at most `most_linear_levels`
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// CoC radius of a point in focus, in px. It is not 0, because the disc must have an area. It is so small
-    /// that the disc lies within one pixel.
+    /// CoC radius of a point in focus, in px. The disc has an area, but lies within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// Largest CoC radius, in px. Larger radii are reduced to it. A disc of this radius adds less than 1e-10
-    /// of a sample's light to any pixel.
+    /// Largest CoC radius, in px, to which larger ones are reduced. A disc of this radius adds less than
+    /// 1e-10 of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing if the
-    /// depth is outside the range of the levels. This only happens if the number of levels was given or the
-    /// spacing is linear.
+    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing for
+    /// depths outside the levels, which exist only with a given number of levels or linear spacing.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Returns whether the levels come from LevelTable, which has a level for every depth. Only then may
-    /// levels_of be called.
+    /// Returns whether the levels come from LevelTable, which has a level for every depth.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// Computes level_of for several inverse depths. `level` must have room for as many elements. Requires
+    /// Computes level_of for several inverse depths. `level` must have room for all results. Requires
     /// around_focus().
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);

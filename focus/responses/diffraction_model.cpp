@@ -12,14 +12,14 @@ namespace {
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
 /// Largest extent of a kernel beyond the edge of the geometric CoC, in px. Energy farther out is cut off,
-/// even if it is more than `tail` of the whole.
+/// even if it exceeds `tail`.
 constexpr double widest_skirt_px = 256;
-/// CoC radius, in px, from which a uniform disc replaces the diffracted response. The fringes of the response
-/// are finer than a pixel there.
+/// CoC radius, in px, from which a uniform disc replaces the diffracted response. Its fringes are finer than
+/// a pixel there.
 constexpr double disc_from_px = 2048;
 
-/// Returns the CoC radius, in px. In a mirror or through glass, the CoC may be an ellipse, which is replaced
-/// by a disc of its mean radius.
+/// Returns the CoC radius, in px. In a mirror or through glass, the CoC may be an ellipse; a disc of its mean
+/// radius replaces it.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

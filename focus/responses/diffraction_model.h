@@ -9,9 +9,10 @@
 namespace postlens {
 
 /// Creates the model of a round aperture with diffraction, with one kernel per colour channel [potmesil1981].
-/// `wavelengths_nm` contains the wavelengths that all channels use. If it is empty, each channel uses its own
-/// band (lens/wave/spectrum.h). A kernel contains 99 % of the energy, but extends at most 256 px beyond the
-/// geometric edge. It is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
+/// All channels use `wavelengths_nm`. If it is empty, each channel uses its own band (lens/wave/spectrum.h).
+///
+/// A kernel contains 99 % of the energy, but extends at most 256 px beyond the geometric edge. It is
+/// normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
 [[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
                                                                const FocusGeometry& geometry);
 

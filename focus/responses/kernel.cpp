@@ -14,12 +14,11 @@
 namespace postlens {
 namespace {
 
-/// Smallest length, in px, of a kernel row's interior that is stored as one uniform value. A shorter interior
-/// is stored as single values (taps), which is as fast.
+/// Smallest length, in px, of a kernel row's interior that is stored as one uniform value. Storing shorter
+/// ones as single values (taps) is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Radius, in px, of the disc that replaces an ellipse whose size was rounded to 0. It is so small that its
-/// kernel equals that of a point.
+/// Radius, in px, of the disc that replaces an ellipse of rounded size 0. Its kernel equals that of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 /// Converts a length to a number of steps of `step_px`, rounded to the nearest integer.
@@ -43,7 +42,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row that lies completely outside the limits remains in the kernel as an empty row.
+        // A row outside the limits remains in the kernel as an empty row.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -146,7 +145,7 @@ KernelKey::Packed KernelKey::packed() const {
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
     // half_height to map_yy have 17 bits each: a sign, and a length of up to 16000 px in steps of 1/4 px.
-    // cell_x and cell_y are clamped to the range from -2^14 to 2^14 - 1.
+    // cell_x and cell_y are clamped to -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -175,10 +174,10 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // After `build`, the table of kernel numbers no longer changes, so no lock is needed.
+        // The table of kernel numbers no longer changes, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
-    // Most keys already have a number, which is found without waiting for other threads.
+    // Most keys already have a number, which needs no lock.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
@@ -189,7 +188,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // A size that was rounded to 0 is replaced by half a step, so that the ellipse has an area.
+    // A size that was rounded to 0 becomes half a step, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
@@ -299,7 +298,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
-    // This is Fibonacci hashing: the top bits of the hash select the entry.
+    // Fibonacci hashing: the top bits of the hash select the entry.
     Entry& entry = entries_[KernelKey::PackedHash()(packed) >> (64 - entry_bits)];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;

@@ -1,5 +1,4 @@
-// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table that builds each of
-// them once.
+// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table of them.
 #pragma once
 
 #include <array>
@@ -20,18 +19,18 @@
 
 namespace postlens {
 
-/// One row of a kernel. Columns are relative to the anchor, the integer raster position at which the kernel
-/// is placed. The row covers the columns [x_begin, x_end). The pixels of the interior,
-/// [inner_begin, inner_end), all have the value Kernel::inner. Every other pixel has its own value, called a
-/// tap. Taps are stored from left to right. A row without an interior has inner_begin == inner_end == x_end.
+/// One row of a kernel, in columns relative to the anchor (integer raster position of the kernel). It covers
+/// [x_begin, x_end). Pixels of the interior [inner_begin, inner_end) have the value Kernel::inner. Every
+/// other pixel has its own value, called a tap, from left to right. Without an interior, inner_begin ==
+/// inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px, relative to the anchor (the integer raster
-/// position at which the kernel is placed). They contain all pixels of the image, whatever the anchor.
+/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px relative to the anchor (integer raster
+/// position of the kernel). They contain the whole image for any anchor.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -54,12 +53,11 @@ struct Kernel {
     }
 };
 
-/// Builds the kernel of an ellipse, clipped to `reach`. The centre of the ellipse is (phase_x, phase_y) px
-/// from the anchor (the integer raster position of a splat).
+/// Builds the kernel of an ellipse, clipped to `reach`. The centre is (phase_x, phase_y) px from the anchor
+/// (integer raster position of a splat).
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// The first overload builds the kernel of a uniform shape, given by its outline. The second overload builds
-/// the kernel of a grid of values, in which every pixel has its own value (tap). Shape and grid are relative
-/// to the anchor. The kernels are clipped to `reach`.
+/// Build a kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values. Both are
+/// relative to the anchor.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -71,10 +69,10 @@ struct KernelKey {
     /// Subpixel positions are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
     /// Sizes of ellipses are rounded to multiples of this step, in px. The outline then has an error of at
-    /// most an eighth of a pixel along each axis. With a fineness of k, the step is divided by 4^k.
+    /// most an eighth of a pixel along each axis.
     ///
-    /// Only highlights use k = 1 or 2, and only for ellipses smaller than fineness_below_px[k]. Small
-    /// ellipses need fine steps, because an error of their size changes their brightness.
+    /// With a fineness of k, the step is divided by 4^k. Only highlights use k = 1 or 2, for ellipses smaller
+    /// than fineness_below_px[k], whose brightness depends on their exact size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -86,8 +84,7 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The following members are only used for apertures that are not round, or whose response varies over the
-    // image.
+    // The following members are only used if the aperture is not round or the response varies over the image.
     bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -95,16 +92,14 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Returns the key of an ellipse. If `fine` is set, the size is rounded to the finest step that is
-    /// allowed for an ellipse of this size.
+    /// Returns the key of an ellipse. `fine` selects the finest step that is allowed for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// A map is the 2x2 matrix from the aperture to the image. Its entries are rounded to multiples of one
-    /// step. The step is so small that the largest entry keeps map_bits leading bits.
+    /// A map is the 2x2 matrix from the aperture to the image. Rounding keeps map_bits leading bits of its
+    /// largest entry.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds the key more coarsely, so that more keys share a kernel. The step for rounding the shape is
-    /// multiplied by 2^times.
+    /// Rounds the key more coarsely, so that more keys share a kernel. The step is multiplied by 2^times.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
@@ -126,31 +121,30 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end). They are
-/// relative to the kernel's anchor, the integer raster position at which it is placed.
+/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end), relative to its
+/// anchor (integer raster position).
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
 };
 
-/// Table of kernels (impulse responses on the pixel grid), each with a number. First, any thread may request
-/// the number of a key with `number_of`. Then `build` builds the kernels of all requested keys. The number
-/// that a key gets depends on the timing of threads, but its kernel does not.
+/// Table of kernels (impulse responses on the pixel grid), each with a number. Any thread may request the
+/// number of a key with `number_of`. Then `build` builds the kernels of all requested keys. A key's number
+/// depends on the timing of threads, but its kernel does not.
 class KernelTable {
   public:
-    /// `disc_radius_px` contains the CoC radius of each depth level. Kernel number i is the disc of level i,
-    /// centred on an integer raster position. `model` provides the impulse responses and must outlive the
-    /// table.
+    /// - `disc_radius_px`: CoC radius of each depth level; kernel number i is the disc of level i, centred on
+    ///   an integer raster position
+    /// - `model`: provides the impulse responses; must outlive the table
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
     /// Returns the number of a key. After `build`, only keys that were requested before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Marks the disc of a depth level as needed, centred on an integer raster position.
+    /// Marks the disc of a depth level, centred on an integer raster position, as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds the kernels, in parallel. Call this function once, after all keys have been requested. If the
-    /// kernels of ellipses need more than `memory_limit_bytes`, the ellipses are rounded more coarsely
-    /// (KernelKey::coarsen), so that more samples share a kernel. Throws Error(out_of_memory) if all kernels
-    /// together exceed the memory.
+    /// Builds the kernels, in parallel. Call it once, after all keys have been requested. Ellipses are
+    /// rounded more coarsely (KernelKey::coarsen) if their kernels need more than `memory_limit_bytes`.
+    /// Throws Error(out_of_memory).
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
     /// Frees the memory of the keys. Call it after `build`. number_of must not be called afterwards.
@@ -167,8 +161,8 @@ class KernelTable {
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
     /// Returns the pixels that the kernels of a number reach, in any channel. Call it after `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
-    /// that is not used refers to an arbitrary kernel, because the disc has none.
+    /// Returns the number of kernel numbers, which count from 0. Call it after `build`. An unused disc has no
+    /// kernel, so its number refers to an arbitrary one.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
@@ -191,8 +185,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// Hash function of the hash map, which selects a bucket by the lowest bits. The lowest bits of
-    /// PackedHash depend only on the subpixel position. They are therefore mixed with the upper bits.
+    /// Hash function of the hash map, which uses only the lowest bits. Those of PackedHash depend only on the
+    /// subpixel position, so they are mixed with the upper bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

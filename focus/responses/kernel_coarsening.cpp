@@ -23,8 +23,7 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // packed() has 17 bits per number. Larger numbers would not fit, so keys of different shapes could become
-    // equal.
+    // packed() has 17 bits per number. With larger numbers, keys of different shapes could become equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -54,16 +53,16 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Round subpixel positions (phases) to 2 * unit sixteenths of a pixel, but at most to whole pixels. If
-    // `fineness` is 0, this is half the step of the shape, which is unit / 4 px.
+    // Round subpixel positions (phases) to 2 * unit sixteenths of a pixel, at most to whole pixels. With a
+    // fineness of 0, this is half the step of the shape.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
 }
 
 // Rounds the sizes and positions of ellipses more coarsely, so that more samples share a kernel. All ellipses
-// within one octave of size are rounded alike, which limits the relative error of their size. With the same
-// step for all sizes, small ellipses would be rounded to size 0.
+// within one octave of size are rounded alike, which limits the relative error of their size. With one step
+// for all sizes, small ellipses would vanish.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -83,9 +82,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Keys that become equal in one step nearly always stay equal, so only one of them is processed in
-        // the next step. Sorting makes the choice independent of the order in which threads requested the
-        // keys.
+        // Keys that become equal in one step nearly always stay equal, so only one of them is used in the
+        // next step. Sorting makes the choice independent of the order of threads.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -104,8 +102,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. It is not
-    // weighted by the number of samples with these sizes, which is unknown.
+    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. The
+    // number of samples with these sizes is unknown.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

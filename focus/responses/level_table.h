@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// The CoC diameters for which impulse responses are computed. They are the same for all lenses. A circle of
-/// confusion uses the nearest diameter. The steps between the diameters grow from 1/8 px to half a pixel.
-/// Above `even_diameter_px`, each step is 1/500 of the diameter.
+/// The CoC diameters for which impulse responses are computed. A circle of confusion uses the nearest one.
+/// They are the same for all lenses. Their steps grow from 1/8 px to half a pixel. Above `even_diameter_px`,
+/// a step is 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -22,11 +22,10 @@ class LevelTable {
 
     /// Returns the diameter of a level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the level nearest to a diameter, without the lookup table. `diameter_px` must be finite. Its
+    /// Computes the level nearest to a diameter, without the lookup table. `diameter_px` must be finite; its
     /// sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the level nearest to a diameter. It is read from the lookup table if the diameter is below
-    /// end_px, and computed otherwise.
+    /// Returns the level nearest to a diameter. Below end_px, it comes from the lookup table.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -44,9 +43,10 @@ class LevelTable {
 
     /// Size of the lookup table. Its cells are so narrow that at most one level begins in each of them.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the lookup table: begin_px_ is the diameter at which a level begins in the cell,
-    /// before_ is the number of the level before it, and step_ is the difference between the two level
-    /// numbers. step_ is 0 if no level begins in the cell.
+    /// For each cell of the lookup table:
+    /// - begin_px_: diameter at which a level begins in the cell
+    /// - before_: number of the level before it
+    /// - step_: difference between the two level numbers, or 0 if no level begins in the cell
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

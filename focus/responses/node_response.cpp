@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// phases_of chooses the step between subpixel positions by the radius. If a model needs only few positions,
-/// this radius, in px, replaces smaller ones, to get steps of a quarter pixel instead of 1/16 px.
+/// Radius, in px, for which phases_of uses steps of a quarter pixel instead of 1/16 px. It replaces smaller
+/// radii for models with few subpixel positions.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -36,16 +36,16 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Completes `out` for an aperture that is not round. Computes the extent of the response, and the cell
-// (square of the image) in which its kernel is used.
+// Completes `out` for an aperture that is not round: the extent of the response, and the cell (square of the
+// image) in which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The kernel is computed from `map_px`, whose depth was rounded to a level. The transmittance must be
-    // that of the same depth, or a part of the light would be lost.
+    // The kernel belongs to the rounded depth of `map_px`. The transmittance must be that of the same depth,
+    // or some light would be lost.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -61,9 +61,9 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Seen from the lens point q, a record's image is displaced by gain (s I - W) q. The gain is the film
-    // distance in px, s the inverse focus distance and W the record's 2x2 reprojection matrix. `map` is this
-    // linear map in px per lens radius. glm matrices are column-major.
+    // Seen from the lens point q, a record's image is displaced by gain (s I - W) q, with gain = film
+    // distance in px, s = inverse focus distance and W = the record's 2x2 matrix. `map` is this map in px per
+    // lens radius. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -45,8 +45,7 @@ struct NodeResponse {
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth for which the kernel was computed, in 1/m. It is only set if responses vary over the
-    /// image.
+    /// Inverse depth of the kernel, in 1/m. Only set if responses vary over the image.
     double inverse_depth_per_m = 0;
 };
 
@@ -58,16 +57,15 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the response of a reflected or transmitted record. The depth model decides which depth of the
-    /// record is used.
+    /// Returns the response of a reflected or transmitted record. The depth model selects the record's depth.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the share of a record's light that the lens transmits. The record's light and its weight in
-    /// the normalisation are multiplied by this share. It is 1 if one kernel is used for the whole image.
+    /// Returns the share of a record's light that the lens transmits. It multiplies the light and its weight
+    /// in the normalisation. It is 1 if one kernel serves the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`
-    /// (vignetting). The splats that reach the pixel have weights that add up to this share. Dividing by the
-    /// sum of weights would remove the vignetting, so the pixel must then be multiplied by the share.
+    /// (vignetting). The weights of the splats at the pixel add up to this share. Dividing by them removes
+    /// the vignetting, so the pixel must be multiplied by the share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

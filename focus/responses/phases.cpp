@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, below which a sample on the border between pixels is divided: each pixel gets a part
-/// with its own weight. Samples with larger radii are scattered as a whole.
+/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel,
+/// each with its own weight. Larger samples are scattered as a whole.
 constexpr double one_disc_from_px = 2;
 
-/// Returns the number of subpixel positions per px, along each axis, at which kernels of this radius are
-/// built. A sample between two positions is distributed over both of them, which preserves the centroid.
+/// Returns the number of subpixel positions per px, along each axis, for kernels of this radius. A sample
+/// between two positions is distributed over both, which preserves the centroid.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
@@ -23,9 +23,9 @@ int phases_per_px(double radius_px) {
 /// Returns the displacement, in px, of a sample at a corner between quadtree leaves (undivided cells) of
 /// different sizes. It corrects an integration error that would blur edges.
 ///
-/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, the rule
-/// has an error of h^2 / 12 times the slope of the colour (Euler-Maclaurin). To compensate for it, the part
-/// of a corner sample that belongs to a leaf, with the weight h / 2, is moved by h / 6 into this leaf.
+/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, its error
+/// is h^2 / 12 times the slope of the colour (Euler-Maclaurin). Moving the leaf's part of the corner sample,
+/// of weight h / 2, by h / 6 into the leaf compensates for it.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -37,8 +37,7 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// Rounds a position inside a pixel, from 0 to 1 px, to the nearest subpixel position that is not on the
-/// border of the pixel.
+/// Rounds a position inside a pixel, from 0 to 1 px, to the nearest subpixel position inside the pixel.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);
@@ -78,8 +77,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. The sample's
-        // part in each leaf is moved to the centre of this quarter, by a quarter of the leaf's edge.
+        // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. Its part in
+        // each leaf moves to the centre of this quarter, by a quarter of the leaf's edge.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A subpixel position at which a part of a sample is placed, and the weight of this part. The position is in
-/// units of 1/KernelKey::phase_steps px, relative to the sample's position rounded down to integers.
+/// A subpixel position for a part of a sample, and the weight of this part. It is in units of
+/// 1/KernelKey::phase_steps px, relative to the sample's position rounded down to integers.
 struct Phase {
     std::int32_t x, y;
     float weight;
@@ -36,12 +36,10 @@ struct Phases {
 /// sample's weight.
 ///
 /// A small disc is placed at the sample's position, rounded to 1/16 px. Larger discs would need too many
-/// kernels, so they are distributed over the nearest positions of a coarser grid, which preserves the
-/// centroid.
+/// kernels. They are distributed over the nearest positions of a coarser grid, which preserves the centroid.
 ///
-/// A sample on the border between pixels may have a different weight in each of them. If its radius is below
-/// 2 px, such a sample is divided, and each part is placed inside its pixel. The image for a CoC of 0 thus
-/// equals the pinhole image.
+/// A sample on the border between pixels may have a different weight in each. Below a radius of 2 px, each
+/// part is placed inside its own pixel. With a CoC of 0, the image thus equals the pinhole image.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Interface to the impulse responses of a lens, which it provides as kernels.
+// Interface to the impulse responses of a lens. They are provided as kernels.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point. Light through the point q of the aperture, in lens radii,
-/// arrives at `map_px` times q, relative to the response's centre, apart from aberrations.
+/// Describes the impulse response of a scene point. Without aberrations, light through the point q of the
+/// aperture, in lens radii, arrives at `map_px` times q, relative to the response's centre.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -23,8 +23,8 @@ struct ResponseRequest {
     KernelReach reach;
 };
 
-/// Impulse responses of one lens setting. The base class is the model of a round aperture, whose kernels are
-/// discs and ellipses. It is the fastest model.
+/// Impulse responses of one lens setting. The base class is the fastest model, a round aperture, whose
+/// kernels are discs and ellipses.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -35,15 +35,15 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Returns whether responses are uniform inside an outline. The cost of adding such a response to the
-    /// image is proportional to the length of its outline.
+    /// Returns whether responses are uniform inside an outline. Adding such a response costs time
+    /// proportional to the length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Returns whether the maps M and -M have the same response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Returns the width, in px, of a square of the image in which one kernel can be used for all responses
-    /// with this map, because the outline does not change visibly. 0 means the whole image.
+    /// Returns the width, in px, of squares of the image in which one kernel serves all responses with this
+    /// map. 0 means the whole image. The outline does not change visibly within a square.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -54,25 +54,24 @@ class ResponseModel {
     [[nodiscard]] virtual double spherical_px() const { return 0; }
     /// Returns the radius outside which the response is 0, in px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Returns the largest distance, in px, that light of a scene point reaches. `radius_px` is the signed
-    /// radius of the point's circle of confusion.
+    /// Returns how far light of a scene point reaches, in px. `radius_px` is the signed radius of its circle
+    /// of confusion.
     [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
-    /// Builds the kernel. Its values add up to 1 unless `reach` clips it. They are all 0 if no light is
+    /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or are all 0 if no light is
     /// transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. This saves time for
-    /// models whose kernels are expensive to build.
+    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. This saves time if
+    /// kernels are expensive to build.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
-    /// Returns whether red, green and blue have their own responses. In this case `channel_kernels` is called
+    /// Returns whether red, green and blue have their own responses. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether the model supports an anisotropic `map_px`. If not, surfaces seen in mirrors and
-    /// through glass are blurred with a mean radius.
+    /// Returns whether the model supports an anisotropic `map_px`. If not, surfaces in mirrors and glass are
+    /// blurred with a mean radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Builds the kernels of all requests, in parallel. All requests must have the same subpixel position,
-    /// phase_px.
+    /// Builds the kernels of all requests, in parallel. All must have the same subpixel position phase_px.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
@@ -85,8 +84,7 @@ class ResponseModel {
                                                             double half_diagonal_px);
 
 /// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
-/// `geometry`. Throws the errors of read_aperture. For a real lens, throws an error, because lens_model
-/// (focus/lens_model.h) creates its model.
+/// `geometry`. Throws the errors of read_aperture, and for a real lens (see lens_model).
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
