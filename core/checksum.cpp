@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-// Compiles the functions of xxHash into this file, so that programs need not link the xxHash library.
+// Compiles the functions of xxHash into this file, so that programs need not link its library.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// XXH3 hash (64 bit, seed 0) of bytes that are added piece by piece. The hash does not depend on where the
-/// pieces begin and end.
+/// XXH3 hash (64 bit, seed 0) of bytes that are added in pieces. How the bytes are divided into pieces does
+/// not matter.
 class Checksum {
   public:
     Checksum();
@@ -28,11 +28,10 @@ class Checksum {
     std::unique_ptr<State> state_;
 };
 
-/// Returns the hash that Checksum computes, for bytes that are already in memory.
+/// Returns the hash that Checksum computes for the same bytes.
 [[nodiscard]] std::uint64_t checksum_of(const void* bytes, std::size_t count);
 
-/// Returns the checksum as 16 hexadecimal digits. Text files and image attributes store checksums in this
-/// form.
+/// Returns the checksum as 16 hexadecimal digits, as text files and image attributes store it.
 [[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Formats numbers together with their nouns and units, for use in messages.
+// Formats numbers with their nouns and units, for messages.
 #pragma once
 
 #include <concepts>

@@ -1,4 +1,4 @@
-// The exception type of postlens, which carries one line of text and an exit code.
+// The exception type of postlens, with one line of text and an exit code.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,8 +20,8 @@ enum class ExitCode : int {
     interrupted = 130,
 };
 
-/// Thrown for invalid input, files and arguments. The command catches it in one place. `what()` is one line:
-/// "FILE:LINE: what is wrong (got X; expected Y)".
+/// Thrown for invalid input, files and arguments. `what()` is one line: "FILE:LINE: what is wrong (got X;
+/// expected Y)".
 class Error : public std::runtime_error {
   public:
     Error(ExitCode code, const std::string& text) : std::runtime_error(text), code_(code) {}

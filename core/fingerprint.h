@@ -1,5 +1,4 @@
-// A 64-bit hash of settings. Equal settings have equal hashes, and different settings almost always have
-// different hashes.
+// A 64-bit hash of settings. Different settings almost always have different hashes.
 #pragma once
 
 #include <bit>
@@ -7,7 +6,7 @@
 
 namespace postlens {
 
-/// FNV-1a hash of the bytes of all added values. The hash depends on the order in which the values are added.
+/// FNV-1a hash of the bytes of all added values, in the order in which they are added.
 class Fingerprint {
   public:
     void add(std::uint64_t bits) {

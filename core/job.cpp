@@ -17,8 +17,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's thread limit to the largest number of threads of any existing job. By default, TBB limits
-/// every job to one thread per core. Jobs with fewer threads are limited by their own TBB arenas.
+/// Raises TBB's thread limit, by default one per core, to the number of threads of the largest existing job.
+/// Smaller jobs are limited by their own TBB arenas.
 class WidestJob {
   public:
     void add(int threads) {

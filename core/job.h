@@ -19,17 +19,17 @@ struct ProgressReport {
 
 struct JobSettings {
     int threads = 0;  ///< may exceed the number of cores; 0 or less means one per core
-    /// Receives the progress reports, at most ten per second. Any thread of the job may call this function,
-    /// but two threads never call it at the same time. It must not throw.
+    /// Receives the progress reports, at most ten per second. Any thread of the job may call it, but only one
+    /// at a time. It must not throw.
     std::function<void(const ProgressReport&)> watch = {};
 };
 
 /// The threads, the cancellation and the progress reports of one piece of work. Jobs in one process are
-/// independent: each has its own threads and is cancelled separately.
+/// independent.
 ///
-/// A job that is created by a thread of another job is an inner job. Cancelling the outer job also cancels
-/// the inner job. The inner job must not outlive the outer job. If the inner job has no watcher of its own,
-/// it reports to the watcher of the outer job.
+/// A job that a thread of another job creates is an inner job, and must not outlive the outer job. Cancelling
+/// the outer job also cancels the inner job. An inner job without a watcher reports to the watcher of the
+/// outer job.
 ///
 /// Jobs do not affect the thread pools of other libraries (OpenEXR, OpenImageIO, OpenCV).
 class Job {
@@ -43,12 +43,11 @@ class Job {
     Job& operator=(Job&&) = delete;
 
     /// Returns the job that the calling thread works for. Outside of every `JobScope`, this is the default
-    /// job of the process. The default job has one thread per core and no watcher, and it exists until the
-    /// process ends.
+    /// job of the process, with one thread per core and no watcher.
     [[nodiscard]] static Job& current();
 
-    /// Cancels the job. Its work throws Error(interrupted) the next time it checks for cancellation. This
-    /// function may be called from any thread and from signal handlers.
+    /// Cancels the job: its work throws Error(interrupted) at the next check. Any thread and any signal
+    /// handler may call this function.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
     [[nodiscard]] bool cancelled() const noexcept {
         return cancelled_.load(std::memory_order_relaxed) || (outer_ != nullptr && outer_->cancelled());
@@ -74,9 +73,8 @@ class Job {
     std::unique_ptr<Threads> arena_;      ///< null if the job uses TBB's default arena
 };
 
-/// While this object exists, the calling thread and the threads of its parallel loops work for `job`. The
-/// thread that creates a JobScope must also destroy it. If a thread has several JobScopes, it must destroy
-/// the newest first.
+/// While this object exists, the calling thread and its parallel loops work for `job`. The thread that
+/// creates a JobScope must also destroy it, the newest first.
 class JobScope {
   public:
     explicit JobScope(Job& job);
@@ -90,8 +88,8 @@ class JobScope {
     Job* before_;
 };
 
-/// While this object exists, the calling thread works for an inner job of the current job. The inner job has
-/// the given number of threads.
+/// While this object exists, the calling thread works for an inner job of the current job, with the given
+/// number of threads.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}
@@ -101,14 +99,13 @@ class ThreadLimit {
     JobScope scope_;
 };
 
-/// Returns true if the current job or one of its outer jobs was cancelled. The cost is one relaxed atomic
+/// Returns true if the current job or one of its outer jobs was cancelled. It is fast: one relaxed atomic
 /// load per job.
 [[nodiscard]] inline bool interrupted() {
     return Job::current().cancelled();
 }
 
-/// Throws Error(interrupted) if the current job was cancelled. Long loops must call this function at least
-/// every 100 ms.
+/// Throws Error(interrupted) if the current job was cancelled. Long loops must call it at least every 100 ms.
 void throw_if_interrupted();
 
 /// Number of threads of the current job, at least 1.

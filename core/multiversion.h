@@ -1,10 +1,8 @@
-// POSTLENS_MULTIVERSION in front of a function compiles the function for several instruction sets. The
-// version for the CPU is chosen when the program is loaded. With -ffp-contract=off, all versions give
-// bit-identical results, because no sum is reordered.
+// POSTLENS_MULTIVERSION in front of a function compiles it for several instruction sets. The CPU's version is
+// chosen when the program is loaded. With -ffp-contract=off, all versions give bit-identical results.
 //
-// There is one exception: GCC 12 still fuses alternating sums and differences of products, such as those in
-// complex arithmetic. Split such code into two loops. scripts/check_instruction_sets.sh finds functions that
-// have this problem.
+// Exception: GCC 12 still fuses alternating sums and differences of products, as in complex arithmetic. Split
+// such code into two loops. scripts/check_instruction_sets.sh finds it.
 //
 // With clang, and on processors other than x86-64, the macro is empty.
 #pragma once

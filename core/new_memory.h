@@ -1,4 +1,4 @@
-// Allocates large vectors, and lets all threads share the work of the first access to their memory.
+// Allocates large vectors. All threads share the first access to their memory.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// Does the same as values.reserve(count). If the vector is empty, all threads also write to its new memory.
-/// At the first write to a page, the system clears the page, which takes longer than filling it. Sharing this
-/// work between threads saves time. Use this function for vectors that will be filled completely.
+/// Like values.reserve(count), but all threads write to the new memory of an empty vector. The system clears
+/// each page at its first write, which takes longer than filling it. Use it for vectors that will be filled
+/// completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;
@@ -25,7 +25,7 @@ void reserve_by_all(std::vector<T>& values, std::size_t count) {
     });
 }
 
-/// Does the same as values.resize(count), but allocates with reserve_by_all.
+/// Like values.resize(count), but allocates with reserve_by_all.
 template <typename T>
 void resize_by_all(std::vector<T>& values, std::size_t count) {
     reserve_by_all(values, count);

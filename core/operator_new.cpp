@@ -1,13 +1,11 @@
-// Replaces the global operator new and delete of a program, so that its memory has pages of 2 MB instead of 4
-// KB. With small pages, large allocations cause many page faults and many misses of the address cache (TLB).
-// Debian's kernel uses large pages only where a program requests them (transparent huge pages with the
-// setting `madvise`).
+// Replaces the global operator new and delete of a program, so that large blocks get pages of 2 MB instead of
+// 4 KB. Small pages cause many page faults and misses of the address cache (TLB). Debian's kernel uses large
+// pages only on request (transparent huge pages with the setting `madvise`).
 //
 // Blocks still come from malloc, so code that was compiled without these functions may free them. The kernel
-// remembers the request for an address range after a block in the range is freed.
+// keeps the request for an address range after its blocks are freed.
 //
 // This file is not part of the library, because a library must not decide how a program allocates memory.
-// core/CMakeLists.txt adds it to programs.
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -18,12 +16,12 @@
 
 namespace {
 
-/// Size of a huge page on x86-64, and on ARM if ordinary pages have 4 KB.
+/// Size of a huge page on x86-64, and on ARM with ordinary pages of 4 KB.
 constexpr std::uintptr_t huge_page_bytes = std::uintptr_t{1} << 21;
 
-/// Requests huge pages for the addresses from begin to end, which must be multiples of the size of a huge
-/// page. If the kernel refuses, the addresses keep small pages. If some addresses are not mapped, madvise
-/// returns an error, but still applies the request to all others.
+/// Requests huge pages for the addresses from begin to end, both multiples of the size of a huge page.
+/// Without success, the addresses keep small pages. If some are not mapped, madvise returns an error, but
+/// applies the request to all others.
 void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 #ifdef MADV_HUGEPAGE
     // NOLINTNEXTLINE(performance-no-int-to-ptr): only the kernel uses this pointer
@@ -35,13 +33,13 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit for each huge page. It is set if an allocated block has ended in this page. The array takes 16 MB
-/// of address space, but the system provides memory only for the parts that are written to.
+/// One bit for each huge page, set if an allocated block has ended in it. The array takes 16 MB of address
+/// space, but memory only for the parts that are written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Requests huge pages for the addresses after a block, where malloc will place the next blocks. This is done
-/// once for each huge page in which a block ends. It must be done before anything is written to these
-/// addresses: the first write decides the size of a page, and malloc itself writes behind each block.
+/// once for each huge page in which a block ends. It must precede the first write, which decides the size of
+/// a page, and malloc itself writes behind each block.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -52,14 +50,14 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// Does nothing, because a module must not change the heaps of the program that loaded it.
+/// Does nothing: a module must not change the heaps of the program that loads it.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 
 }  // namespace
 
-// The array forms and the std::nothrow forms of operator new call this function. The forms for over-aligned
-// types are not replaced.
+// The array forms and the std::nothrow forms of operator new call this function. Those for over-aligned types
+// are not replaced.
 void* operator new(std::size_t bytes) {
     for (;;) {
         if (void* block = std::malloc(bytes > 0 ? bytes : 1)) {

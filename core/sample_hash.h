@@ -1,12 +1,11 @@
-// Counter-based random numbers. Each number is a hash of a key and a counter, so numbers can be computed in
-// any order.
+// Counter-based random numbers. Each is a hash of a key and a counter, so they can be computed in any order.
 #pragma once
 
 #include <cstdint>
 
 namespace postlens {
 
-/// Number of samples that are computed together, so that the compiler vectorises loops over them.
+/// Number of samples that are computed together, so that the compiler vectorises the loops.
 inline constexpr int sample_lanes = 16;
 
 /// Mixes the bits of a 64-bit word with the finaliser of SplitMix64 [steele2014]. Different words give
@@ -33,7 +32,7 @@ inline constexpr int sample_lanes = 16;
     return static_cast<std::uint32_t>(x >> 32);
 }
 
-/// Converts 24 bits to a float in [0, 1). The conversion is exact, so the result is always below 1.
+/// Converts 24 bits to a float in [0, 1). The conversion is exact.
 [[nodiscard]] constexpr float unit_float_24(std::int32_t bits) {
     return static_cast<float>(bits) * 0x1p-24F;
 }
@@ -42,14 +41,13 @@ inline constexpr int sample_lanes = 16;
     return unit_float_24(static_cast<std::int32_t>(word >> 8));
 }
 
-/// Returns random word number `counter` of the stream that belongs to the 64-bit `key`. All words of one
-/// stream are different.
+/// Returns random word number `counter` of the stream of `key`. All words of one stream are different.
 [[nodiscard]] constexpr std::uint32_t random_word(std::uint64_t key, std::uint32_t counter) {
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// Random key for one set of sample points in one pixel. The keys of several independent random streams are
-/// derived from it.
+/// Random key for one set of sample points in one pixel. The keys of independent random streams are derived
+/// from it.
 struct SetKey {
     std::uint64_t value;
     /// Streams with different `purpose` are independent.

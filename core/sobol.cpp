@@ -23,9 +23,8 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. If bit k of
-/// a point's index is set, direction number k contributes to the point. The point is the exclusive or of
-/// these numbers.
+/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A point is
+/// the exclusive or of the direction numbers k for which bit k of its index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -60,7 +59,7 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
 }
 
 /// The sequence is linear over the bits of the index. A point is therefore the exclusive or of two table
-/// entries: one for the lower ten bits of the index, one for the upper ten.
+/// entries, for the lower and the upper ten bits.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };
@@ -78,8 +77,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence. It is Pascal's triangle modulo 2, as a matrix, times the bits
-/// of the index. This matrix is the product of five simple matrices, one for each line below.
+/// Returns dimension 1 of the Sobol sequence: Pascal's triangle modulo 2, as a matrix, times the bits of the
+/// index. This matrix is the product of five simple ones, one for each line below.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -92,8 +91,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Permutes sample indices by a nested uniform scramble, which keeps the samples of every aligned block of
-/// 2^j indices together in an aligned block.
+/// Permutes sample indices by a nested uniform scramble. Every aligned block of 2^j indices remains together
+/// in an aligned block.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -114,9 +113,9 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Table entries from which the bit-reversed coordinates of 16 consecutive samples, or of one sample, are
-/// computed. If the first index is a multiple of 16, the indices differ only in their lowest four bits. The
-/// coordinate of the i-th of these samples is then low[i] ^ high.
+/// Table entries for the bit-reversed coordinates of 16 consecutive samples, or of one sample. If the first
+/// index is a multiple of 16, the coordinate of sample i is low[i] ^ high, because only the lowest four bits
+/// differ.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

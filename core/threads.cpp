@@ -15,9 +15,8 @@ namespace postlens {
 
 #if defined(__SANITIZE_THREAD__)
 
-// This version for ThreadSanitizer uses plain threads, each of which runs a fixed part of the chunks.
-// ThreadSanitizer would report every TBB loop as a race, because it cannot see the synchronisation inside
-// TBB.
+// This version for ThreadSanitizer uses plain threads, each with a fixed part of the chunks. ThreadSanitizer
+// cannot see the synchronisation inside TBB, and would report every loop as a race.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
     const std::size_t chunks = count / grain + (count % grain != 0 ? 1 : 0);
@@ -28,8 +27,7 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // The load is relaxed on purpose. Stronger ordering would hide races between chunks from
-            // ThreadSanitizer.
+            // Relaxed on purpose: stronger ordering would hide races between chunks from ThreadSanitizer.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -66,7 +64,7 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
                               // Checks for cancellation every `grain` indices. A range from TBB can be many
-                              // times longer, so one check per range would be too rare.
+                              // times longer.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

@@ -13,17 +13,17 @@
 
 namespace postlens {
 
-/// Calls chunk(begin, end) for ranges of at most `grain` indices, where `grain` is 1 or more. Together, the
-/// ranges cover each index in [0, count) once. Their order is not defined. Exceptions and cancellation are
-/// handled as in parallel_for, which calls this function.
+/// Calls chunk(begin, end) for ranges of at most `grain` indices, in any order. Together they cover [0,
+/// count) once. Exceptions and cancellation are handled as in parallel_for.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk);
 
-/// Calls body(i) once for each i in [0, count), in any order. The result of the loop is the same for any
-/// number of threads, provided that body(i) does not depend on the thread. If body throws, no further indices
-/// are started, and one of the thrown exceptions is rethrown. Throws Error(interrupted) if the current job is
-/// cancelled. Cancellation is checked every `grain` indices, so choose `grain` such that this many indices
-/// take less than 100 ms.
+/// Calls body(i) once for each i in [0, count), in any order. The result is the same for any number of
+/// threads if body(i) does not depend on the thread. If body throws, no further indices are started, and one
+/// of the exceptions is rethrown.
+///
+/// Throws Error(interrupted) if the current job is cancelled. This is checked every `grain` indices, which
+/// should take less than 100 ms.
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     parallel_chunks(count, std::max<std::size_t>(grain, 1), [&body](std::size_t begin, std::size_t end) {
@@ -31,16 +31,15 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     });
 }
 
-/// Calls make(i) and then end(i) for each i. make(i) may run on any thread. The calls of end are made one at
-/// a time and in the order of i. At most `at_a_time` indices are in progress at any time: an index is in
-/// progress from the start of make(i) to the end of end(i).
+/// Calls make(i) and then end(i) for each i. make(i) may run on any thread; the calls of end are made one at
+/// a time, in order. At most `at_a_time` indices are in progress, from the start of make(i) to the end of
+/// end(i).
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 
-/// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make (1 or more) run at once,
-/// on any thread. make may contain parallel loops. While one call waits, its threads help with the other
-/// calls. The calls of end are made one at a time and in order. Exceptions and cancellation are handled as in
-/// parallel_for.
+/// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make run at once, on any
+/// thread, and may contain parallel loops. The calls of end are made one at a time, in order. Exceptions and
+/// cancellation are handled as in parallel_for.
 template <typename Make, typename End>
 void make_in_order(std::size_t count, std::size_t at_a_time, const Make& make, const End& end) {
     std::vector<std::optional<std::invoke_result_t<const Make&, std::size_t>>> made(count);

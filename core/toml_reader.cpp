@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // toml++ gives no position for a table that is defined only implicitly. Line 1 is then used in messages.
+    // toml++ gives no position for a table that is defined only implicitly. Messages then name line 1.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
 
@@ -55,8 +55,8 @@ std::string range_text(const NumberRange& range) {
 }
 
 /// Refuses keys with very many parts, such as a.a.a.a. The parser makes a nested table for each part and
-/// visits the tables recursively, which could overflow the stack. Its own depth limit covers only nested
-/// arrays and inline tables. Dots in quoted text and in comments are not counted.
+/// visits them recursively, which could overflow the stack. Its own depth limit covers only arrays and inline
+/// tables. Dots in quoted text and comments do not count.
 void check_depth_of_keys(std::string_view text, const std::string& file) {
     constexpr int most_parts = 256;
     const auto past = [&](std::size_t at) {
@@ -133,8 +133,8 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // toml++ sorts the keys of a table by name, but the error should name the unknown key that comes
-        // first in the file.
+        // toml++ sorts the keys of a table by name. The error should name the unknown key that comes first in
+        // the file.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

@@ -1,6 +1,6 @@
-// Reads values of given types from TOML tables. Every error names the line and column. The error for an
-// unknown key also names the most similar known key. Include this header only in .cpp files that read TOML,
-// because toml++ takes seconds to compile.
+// Reads values of given types from TOML tables. Errors name the line and column, and the known key that is
+// most similar to an unknown one. Include it only in .cpp files that read TOML, because toml++ takes seconds
+// to compile.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@
 
 namespace postlens {
 
-/// Parses the text of a TOML file. `file` is the file name for error messages. Throws Error(invalid_input)
+/// Parses the text of a TOML file. `file` is its name in error messages. Throws Error(invalid_input)
 /// "FILE:LINE:COLUMN: ...".
 [[nodiscard]] toml::table parse_toml(const std::string& text, const std::string& file);
 
@@ -31,7 +31,7 @@ struct NumberRange {
     bool excludes_min = false;     ///< min itself is not legal
 };
 
-/// A table of a TOML file, with its name and its position in the file for error messages.
+/// A table of a TOML file. It knows its name and its position in the file, for error messages.
 class TomlTable {
   public:
     /// `what` is the name of the table in error messages, for example "object 'ball'".
@@ -41,53 +41,53 @@ class TomlTable {
     [[nodiscard]] const std::string& what() const { return what_; }
     void rename(std::string what) { what_ = std::move(what); }
 
-    /// Throws if the table has a key that is in none of the lists. The error names the first such key and the
-    /// most similar known key.
+    /// Throws if the table has a key that is in none of the lists. The error names it and the most similar
+    /// known key.
     void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
 
-    // The following functions return an empty value if the key is absent. They throw if the value has the
-    // wrong type or is out of range.
+    // The following functions return nothing if the key is absent. They throw if the value has the wrong type
+    // or is out of range.
     [[nodiscard]] std::optional<double> number(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] std::optional<int> integer(std::string_view key, int min, int max) const;
     [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
     /// Returns a printable text of 1 to 255 bytes.
     [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-    /// The value must be one of the texts in `choices`. Returns its index there. For any other text, the
-    /// error names the most similar choice.
+    /// Returns the index of the value, a text, in `choices`. For an unknown text, the error names the most
+    /// similar choice.
     [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
                                                     std::span<const std::string_view> choices) const;
     [[nodiscard]] std::optional<glm::dvec3> vec3(std::string_view key, const NumberRange& range = {}) const;
     /// Returns an array of exactly `count` numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                              const NumberRange& range = {}) const;
-    /// Returns an array of any number of numbers. The result is empty if the key is absent.
+    /// Returns an array of any number of numbers. It is empty if the key is absent.
     [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
-    /// Returns three numbers. A single number in the file stands for three equal numbers.
+    /// Returns three numbers. A single number in the file stands for three equal ones.
     [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
                                                            const NumberRange& range = {}) const;
-    /// Returns an array of arrays of numbers, such as points. Every row must have min_columns to max_columns
+    /// Returns an array of arrays of numbers, such as points. Each must have min_columns to max_columns
     /// numbers.
     [[nodiscard]] std::optional<std::vector<std::vector<double>>> rows(std::string_view key,
                                                                        std::size_t min_columns,
                                                                        std::size_t max_columns,
                                                                        const NumberRange& range = {}) const;
-    /// Returns an array of texts. A single text in the file is an array of one text.
+    /// Returns an array of texts. A single text in the file counts as an array.
     [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
     [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
-    /// Returns an array of tables, written as [[key]] or as [{...}, ...]. The result is empty if the key is
-    /// absent. Error messages name each table by `what` and its number.
+    /// Returns an array of tables, written as [[key]] or as [{...}, ...]. It is empty if the key is absent.
+    /// Error messages name each table by `what` and its number.
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key, std::string_view what) const;
 
-    /// Returns the value of a required key, or throws if it is absent. Example:
+    /// Returns the value of a required key, or throws if it is absent, for example:
     /// required(t.number("radius_m"), "radius_m").
     template <typename T>
     [[nodiscard]] T required(std::optional<T> value, std::string_view key) const {
         if (!value) fail_here("has no '{}' (expected one)", key);
         return *std::move(value);
     }
-    /// Throws if both keys are present. Use it for two keys that set the same value in different ways.
+    /// Throws if both keys are present. Use it for keys that set the same value in different ways.
     void refuse_both(std::string_view a, std::string_view b) const;
 
     /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the key's value.

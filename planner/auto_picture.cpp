@@ -20,13 +20,12 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) with which every tile starts. Each of the image's two
-/// independent halves gets 8 of them.
+/// Number of views (images from different lens points) with which every tile starts. Each of the two halves
+/// of the views gets 8.
 constexpr int first_views = 16;
 
-/// After the target is met, more views narrow the 95 % interval of the error. In all, at most
-/// `most_narrowing` times as many views are drawn as met the target, or without rays
-/// `most_narrowing_of_noise` times as many.
+/// After the target is met, more views narrow the 95 % interval of the error. The number of views grows at
+/// most by this factor (`most_narrowing_of_noise` without rays).
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of view samples (views times pixels) in all tiles together.
@@ -36,9 +35,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns the number of views of each tile for the next step. The numbers of some tiles are doubled, until
-/// the expected mean error of the image is below `wanted_mse`. The tiles in which an added view reduces the
-/// error most come first.
+/// Returns the number of views of each tile for the next step. Doubles the views of the tiles in which an
+/// added view reduces the error most, until the expected mean error of the image is below `wanted_mse`.
 ///
 /// Each added view is assumed to increase the reciprocal of a tile's error by the same amount.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
@@ -78,9 +76,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Check rays measure the error of the records in each tile. Selects the tiles in which this measurement is
-/// least accurate. The remaining tiles contribute at most `most_variance` to the variance of the image's
-/// error.
+/// Selects the tiles in which the error of the records, measured by check rays, is least accurate. The other
+/// tiles contribute at most `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -89,9 +86,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
 }
 
 /// Selects the tiles in which rays, instead of impulse responses, should show the highlights, because their
-/// errors are largest there. The highlights of the remaining tiles cause at most a quarter of the target
-/// error `most_mse`. A tile is not selected if even the largest number of rays would leave a noise above
-/// `most_mse`.
+/// errors are largest. In the other tiles, highlights cause at most a quarter of the target error `most_mse`.
+/// Tiles are not selected if even the most rays would leave a noise above `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -106,10 +102,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns the number of views of each tile for the next step, if the 95 % interval of the error, in dB, is
-/// too wide. Doubles the views of the tiles in which this narrows the interval most, until the expected width
-/// is below `wanted_interval_db`. The width is proportional to the standard error divided by the error.
-/// `most_samples` is the largest number of view samples (views times pixels) in the image.
+/// Returns the number of views of each tile for the next step, if the 95 % interval of the error is too wide.
+/// Doubles the views of the tiles in which this narrows the interval most, until the expected width is below
+/// `wanted_interval_db`. `most_samples` limits the number of view samples (views times pixels).
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -150,11 +145,11 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes an image by the method `layers`, unless this would take longer than the first views: `layers` takes
-/// as long for a record as `views_of_record` views take for a pixel, and for a sum (layer_sums) as
-/// `views_of_sum` views. On the sample scenes and random scenes, a record takes 0.4 to 0.7 us, a sum 0.05 to
-/// 0.3 us, and a view 0.1 to 0.4 us for a pixel.
+/// Makes an image by the method `layers`, unless this would take longer than the first views. On sample
+/// scenes and random scenes, a record takes 0.4 to 0.7 us, a sum (layer_sums) 0.05 to 0.3 us, and a view 0.1
+/// to 0.4 us for a pixel.
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
+    // Time of a record and of a sum, relative to one pixel of a view.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -170,17 +165,17 @@ std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
     return image;
 }
 
-/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is computed from
-/// sRGB values, because errors are measured in these. If `views` is 1 or more, its sRGB value would be
-/// clamped, so the radiances themselves are averaged.
+/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is that of sRGB
+/// values, in which errors are measured. If `views` is at least 1, where sRGB values are clamped, radiances
+/// are averaged.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
     return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
 }
 
-/// Mixes the image `other` into `image`, with the weights of the tiles. Returns the mean weight of `other`
-/// over the pixels of the image or crop.
+/// Mixes the image `other` into `image` with the weights of the tiles. Returns the mean weight of `other` in
+/// the image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {
     std::vector<double> of_rows(static_cast<std::size_t>(grid.height), 0);
@@ -218,8 +213,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // `layers` shows a single instant, so it is only used without a shutter. The error of its image can only
-    // be measured with rays, so it is only used with a scene.
+    // `layers` shows a single instant, so it needs no shutter. Only rays measure the error of its image, so
+    // it needs a scene.
     std::optional<Image> layers;
     if (whole.scene != nullptr && !whole.shutter) {
         (void)checked_camera(frame.file().header(), *whole.scene);
@@ -244,8 +239,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
-            // More views do not reduce the error of the records. If this error exceeds a quarter of the
-            // target error, rays replace all samples of the tiles with the largest errors.
+            // More views do not reduce the error of the records. If it exceeds a quarter of the target error,
+            // rays replace all samples of the tiles where it is largest.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -259,9 +254,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views do not reduce the error of the highlights. If this error is more than twice the
-            // target, it suffices to reduce the noise to a quarter of it: half here, which `doubled_for`
-            // halves again.
+            // More views do not reduce the error of the highlights. If it exceeds twice the target, a quarter
+            // of it suffices for the noise. `doubled_for` halves its argument, so half is passed.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -269,9 +263,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, the errors of single tiles are inaccurate. Selecting tiles by such errors would
-            // make the stated interval too narrow. The first step therefore doubles the views of all tiles
-            // that have an error.
+            // With few views, the errors of single tiles are inaccurate. Selecting tiles by them would make
+            // the stated interval too narrow, so the first step doubles the views of all tiles with an error.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

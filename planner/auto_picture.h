@@ -1,5 +1,5 @@
-// Makes an image as the mean of views (images from different lens points), with as many views in each tile as
-// a target error needs.
+// Makes an image as the mean of views (images from different lens points). Each tile gets as many views as a
+// target error needs.
 #pragma once
 
 #include <optional>
@@ -15,9 +15,9 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If it is absent, the
-    /// target is default_target_db. If it is set and no scene is given, the warning `unsure` reports that
-    /// AutoResult::bound_mse misses the target although the noise meets it.
+    /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If it is
+    /// set and no scene is given, the warning `unsure` reports that AutoResult::bound_mse misses the target
+    /// although the noise meets it.
     std::optional<double> target_db;
 };
 
@@ -25,8 +25,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels, without the
-    /// error of the records. It includes the error of the image made by `layers`, as far as that is mixed in.
+    /// Measured squared error of the tile's sRGB values, mean over pixels and channels. It includes the share
+    /// of the image by `layers`, but not the error of the records.
     double noise_mse = 0;
 };
 
@@ -37,11 +37,12 @@ struct AutoResult {
     double mean_views = 0;
     double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
     /// Share of the view samples (pixels of single views) whose colours the records do not determine. Set
-    /// only if no scene is given.
+    /// only without a scene.
     double unsure_share = 0;
-    /// Without a scene, the error is not measured, and `hybrid.stated` is empty. Instead, `noise_mse` is the
-    /// measured noise of the views, and `bound_mse` is an upper bound of the error that this noise and the
-    /// unsure view samples cause (planner/errors/records_bound.h).
+    /// Set only without a scene, when the error is not measured and `hybrid.stated` is empty:
+    /// - `noise_mse`: measured noise of the views
+    /// - `bound_mse`: upper bound of the error that this noise and the unsure view samples cause
+    ///   (planner/errors/records_bound.h)
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -50,19 +51,20 @@ struct AutoResult {
 };
 
 /// Makes a light field image with as many views in each tile as the target error needs. It starts with a few
-/// views per tile. Then it repeatedly doubles the number of views in the tiles where this reduces the error
-/// most for its cost. The target is met when the upper end of the 95 % interval of the image's error is below
-/// the target. If the interval is wider than wanted_interval_db, further views are added, up to four times as
-/// many.
+/// views per tile. Then it repeatedly doubles the views of the tiles where this reduces the error most for
+/// its cost.
 ///
-/// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them.
-/// Check rays measure the error of all other view samples. If this error is too large or not known well
-/// enough in a tile, rays replace all view samples of the tile. If no scene is given, unsure view samples
-/// keep their recorded colours, and their error is not measured.
+/// The target is met when the upper end of the 95 % interval of the image's error is below it. If the
+/// interval is wider than wanted_interval_db, further views are added, up to four times as many.
 ///
-/// If a scene but no shutter is given, the method `layers` also makes an image, unless this would take longer
-/// than the first views. The views also measure the error of this image. It is mixed with the views, in each
-/// tile with the weight that gives the smallest error.
+/// With a scene, rays replace unsure view samples, which the records do not determine. Check rays measure the
+/// error of all other view samples. Where this error is too large or not known well enough, rays replace all
+/// view samples of a tile. Without a scene, unsure view samples keep their recorded colours, and their error
+/// is not measured.
+///
+/// With a scene and no shutter, the method `layers` also makes an image, if this takes no longer than the
+/// first views. The views measure its error. It is mixed with the views, in each tile with the weight that
+/// gives the smallest error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

@@ -18,19 +18,18 @@ namespace postlens {
 namespace {
 
 constexpr int many_views = 256;
-/// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
+/// A pixel is wrong if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// To test a cause, the image is made again without it. The cause explains the error of a pixel if this at
-/// least halves the error, i.e. multiplies the squared error by at most this factor.
+/// A cause explains the error of a pixel if an image without this cause has at most half the error. This is
+/// the limit for the squared error.
 constexpr double explained = 0.25;
-/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's squared error.
-/// `noticeable_density` applies to the density of the records. It is smaller, because that error is often
-/// underestimated: edges that pass between samples are not counted.
+/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's. For the
+/// density of the records it is smaller, because edges that pass between samples are not counted.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// A pixel counts as completely recorded if less than this share of its light is missing in the records.
+/// A pixel is completely recorded if less than this share of its light is missing in the records.
 constexpr float tolerated_unknown = 0.02F;
-/// If more than this fraction of the squared error has no known cause, the scene is traced again to find it.
+/// If more than this fraction of the squared error is unexplained, the scene is traced again.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -52,15 +51,15 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// Estimates the share of a pixel's light that comes from beyond the overscan (the pixels traced outside the
-/// image). It is the part of the pixel's circle of confusion that lies there. On each of the four sides, the
-/// circle is assumed to be as large as the largest one recorded along that border.
+/// Estimates the share of a pixel's light that comes from beyond the overscan (pixels traced outside the
+/// image): the part of its circle of confusion that lies there. On each side, the circle is as large as the
+/// largest one recorded along that border.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
         : h_(header), geometry_(geometry) {}
 
-    /// Adds records. Records that are added twice count only once.
+    /// Adds records. It does not matter if some are added twice.
     void add(const RecordBand& band) {
         constexpr int side = 8;
         const int margin = h_.overscan_px;
@@ -84,8 +83,8 @@ class BeyondMargin {
     }
 
   private:
-    /// Returns the share of a disc that lies beyond a straight line. `distance_px` is the distance of the
-    /// line from the centre of the disc.
+    /// Returns the share of a disc beyond a straight line, whose distance from the disc's centre is
+    /// `distance_px`.
     static double outside(double distance_px, double radius_px) {
         if (radius_px <= distance_px) return 0;
         const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
@@ -151,9 +150,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // A light field from the same records determines correctly which surfaces hide others and, with a
-    // shutter, how they move. An error that this light field does not have is due to the method that made the
-    // image.
+    // A light field from the same records determines correctly which surfaces hide others, and how they move.
+    // An error that it does not have is due to the method that made the image.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -227,17 +225,17 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else if (best != nullptr) {
             cause = best->cause;
             // Records of further instants add surfaces that rotate into view, and new colours of known
-            // surfaces. If the file lacks almost no light of this pixel, the new colours corrected it.
+            // surfaces. If almost all light of this pixel was recorded, the new colours corrected it.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // The colours of an unrecorded surface and of its surroundings are assumed to differ by the local
-            // contrast, or by the mean contrast of the image if that is larger.
+            // An unrecorded surface is assumed to differ from its surroundings by the local contrast, or by
+            // the mean contrast of the image if that is larger.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // Light from beyond the overscan (the pixels traced outside the image) is also unrecorded. It is
-            // subtracted, because it belongs to another cause, frame_edge.
+            // Light from beyond the overscan (pixels traced outside the image) is subtracted, because it
+            // belongs to another cause, frame_edge.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

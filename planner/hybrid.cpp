@@ -16,12 +16,11 @@
 namespace postlens {
 namespace {
 
-/// The records of a pixel count as insufficient if one of two values exceeds this limit: the share of the
-/// pixel's light that is not recorded, or the radiance that is reprojected to wrong positions.
+/// The records of a pixel are insufficient if one of these exceeds this limit: the share of its light that is
+/// not recorded, or the radiance that is reprojected to wrong positions.
 constexpr double tolerated = 0.02;
 
-/// Returns the share of pixels, in the image or crop, for which too much light is not recorded or is
-/// reprojected to wrong positions.
+/// Returns the share of pixels in the image or crop whose records are insufficient.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -33,8 +32,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by the time to draw one view of the whole image. `scatter` makes the
-/// pixels in which it is exact if drawing their views would take longer.
+/// Time of the method `scatter`, divided by that of one view of the whole image. `scatter` makes the pixels
+/// in which it is exact if their views would take longer.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -83,12 +82,12 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error of an image with a PSNR of 50 dB. Such an error is not visible, so it need not be reduced
-/// with rays.
+/// Squared error of an image with a PSNR of 50 dB. Smaller errors are not visible, so rays need not reduce
+/// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should show the highlights, because the error of impulse responses
-/// exceeds the noise that rays would have, and its own standard error.
+/// Returns 1 for tiles in which rays should show the highlights. There, the error of impulse responses
+/// exceeds its own standard error and the noise that rays would have.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -100,10 +99,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and rays. Its views form two independent halves, whose difference measures
-/// the noise. Check rays measure the error of the records. Rays replace all samples in the tiles in which
-/// this error is largest, until the remaining error is small compared with the noise, or until noise and
-/// remaining error together are at most `fine_mse`.
+/// Makes the image from records and rays. The difference of two independent halves of the views measures the
+/// noise, and check rays measure the error of the records. Rays replace all samples in the tiles where this
+/// error is largest. The remaining error is small compared with the noise, or both together are at most
+/// `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

@@ -1,5 +1,5 @@
-// Makes a light field image: the mean of a given number of views (images from different lens points). A ray
-// replaces the sample of a view where the recorded data do not determine its colour.
+// Makes a light field image: the mean of a given number of views (images from different lens points). Rays
+// replace view samples whose colours the records do not determine.
 #pragma once
 
 #include <memory>
@@ -19,32 +19,31 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the exposure. If `shutter` is given, every pixel is computed as a light field, and the
-    /// method `scatter` is not used.
+    /// Motion during the exposure. With `shutter`, every pixel is computed as a light field, without the
+    /// method `scatter`.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene from which the file was traced. Rays into the scene replace samples whose colours the
-    /// records do not determine. If null, no rays are traced.
+    /// The scene from which the file was traced. Rays into it replace samples whose colours the records do
+    /// not determine. If null, no rays are traced.
     const Scene* scene = nullptr;
     /// Selects, in each half of the views, the samples of a pixel that are compared with rays
-    /// (FieldViews::checked). Only used with a scene. The function replaces the selection from which the
-    /// error of the image is computed, so HybridResult::stated stays empty.
+    /// (FieldViews::checked). Only used with a scene. HybridResult::stated then stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Share of the pixels of the image or crop that the method `scatter` makes. Set only without a scene.
+    /// Share of the pixels of the image or crop that `scatter` makes. Set only without a scene.
     double scattered_share = 0;
-    /// Share of the pixels of the image or crop that would need rays: too much of their light is not recorded
-    /// or is reprojected to wrong positions. Set only without a scene.
+    /// Share of the pixels of the image or crop that would need rays, because too much light is not recorded
+    /// or reprojected to wrong positions. Set only without a scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
     /// Values for each pixel of the whole image, as in FieldFocus: the share of views whose samples are rays,
-    /// and comparisons of rays with the records. Set only with a scene.
+    /// and comparisons of rays with records. Set only with a scene.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was made: 0 by the light field, 1 by scattering, 2 mostly by rays.
@@ -52,9 +51,9 @@ struct HybridResult {
 };
 
 /// Makes the image. The result is bit-identical for any number of threads. Throws Error(invalid_input) if the
-/// file was not traced from `scene`. Also throws the errors of focus_picture and render_picture.
+/// file was not traced from `scene`, and the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// Like the other overload, but for a file from which only one image is made.
+/// Like the other overload, for a file from which only one image is made.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

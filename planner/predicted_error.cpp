@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// At least `least_views` views are drawn for the estimate. Their sets of lens points begin at the index
-/// `first_set`. The image itself uses sets with lower indices, so its error is independent of theirs.
+/// At least `least_views` views are drawn, with sets of lens points from the index `first_set` on. The image
+/// itself uses lower indices, so its error is independent of theirs.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

@@ -8,8 +8,7 @@
 
 namespace postlens {
 
-/// Squared errors of a tile. They are errors of sRGB values, as means over the tile's pixels and the
-/// channels.
+/// Squared errors of a tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
     /// Error relative to a light field of infinitely many views from the same records.
     double method_mse = 0;
@@ -26,17 +25,18 @@ struct PredictedError {
     int views = 0;            ///< number of views drawn for the estimate
 };
 
-/// Throws Error(wrong_arguments) if the error cannot be predicted. There are four such cases: the impulse
-/// response has no lens points (`diffraction`, `lens:`), the framing differs from that of the trace, the file
-/// is orthographic, or the crop exceeds the image.
+/// Throws Error(wrong_arguments) if the error cannot be predicted:
+/// - the impulse response has no lens points (`diffraction`, `lens:`)
+/// - the framing differs from that of the trace
+/// - the file is orthographic
+/// - the crop exceeds the image
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
-/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is the
-/// number of views of `image`, or 0 if its method draws no views.
+/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
+/// number of views, or 0 if its method draws none.
 ///
-/// Two independent images a and b are drawn, each with `views` views, but at least 64. They share no views
-/// with `image`. The errors of a and b are independent, so the expectation of (image - a)(image - b) is the
-/// squared error of `image`.
+/// Two independent images a and b are drawn, each with at least 64 views and none of those of `image`. Their
+/// errors are independent, so the expectation of (image - a)(image - b) is the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
 /// threads.

@@ -12,19 +12,19 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is mixed with the views of a tile. It minimises the estimated
-/// error plus `price` times the variance of this estimate. A higher price thus gives a larger error that is
-/// known more accurately. If the views have no noise, the weight is 0.
+/// Returns the weight with which another image is mixed into a tile. It minimises the estimated error plus
+/// `price` times the variance of this estimate. A higher price gives a larger error that is known more
+/// accurately.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
     return whole > 0 ? (tile.noise_mse + 2 * price * tile.of_noise) / whole : 0;
 }
 
-/// Chooses the weight with which another image is mixed into a tile. The weight depends on estimated errors.
-/// If the error of the other image is underestimated by chance, its weight becomes too large, and the
-/// estimated error of the mixed tile too small. Leave-one-out cross-validation corrects this: the error of
-/// each piece of the tile is estimated with a weight that is chosen from the other pieces.
+/// Chooses the weight with which another image is mixed into a tile. If the error of the other image is
+/// underestimated by chance, its weight is too large, and the estimated error of the mix too small.
+/// Leave-one-out cross-validation corrects this: each piece of the tile uses a weight chosen from the other
+/// pieces.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;
@@ -77,8 +77,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    // By chance, `views_mse` may be too small or even negative. It is therefore set to at least its own
-    // standard deviation.
+    // By chance, `views_mse` may be too small or negative. It is set to at least its own standard deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();
@@ -90,7 +89,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The variance of the error of the records is ignored here, because the weights do not change that error.
+    // The weights do not change the error of the records, so its variance is ignored.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -99,7 +98,7 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
     // `price`, the weight of the variance in weight_of, is 0 in the first step and small in the second. It
-    // doubles in each further step, until the 95 % interval is at most wanted_interval_db wide.
+    // then doubles in each step.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

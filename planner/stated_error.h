@@ -1,5 +1,5 @@
-// Computes the error of an image that is made from reprojected views and rays. The image may be mixed with
-// another image.
+// Computes the error of an image that is made from reprojected views and rays. It may be mixed with another
+// image.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace postlens {
 /// Wanted width of the 95 % interval of an image's error, in dB.
 inline constexpr double wanted_interval_db = 2;
 
-/// How a tile is mixed from the views and from another image of the same scene. The other image has the
-/// weight `weight`, and the views have the weight 1 - `weight`.
+/// How a tile is mixed from the views and another image of the same scene. The other image has the weight
+/// `weight`, the views 1 - `weight`.
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
@@ -36,26 +36,30 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Returns the width of the 95 % interval, in dB: of this error, or of an error `mse` whose estimate has
+    /// Returns the width of the 95 % interval in dB, of this error or of an error `mse` whose estimate has
     /// the given variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of an image that is the mean of the two halves compared by `measured`. If `mix` is not
-/// empty, it has one element per tile, and the mean is blended with the other image of `measured`.
+/// Returns the error of the mean of the two halves that `measured` compares. If `mix` is not empty, it has
+/// one element per tile, and the mean is blended with the other image of `measured`. The 95 % interval
+/// assumes that the logarithm of the error is normally distributed.
 ///
-/// A blended tile has the error (1 - w)^2 noise + w^2 e^2 + bias. Here w is the weight of the other image. e
-/// is the difference between the other image and the mean of infinitely many views. bias is the error of the
-/// records. e and bias are assumed to be uncorrelated.
+/// A blended tile has this error:
 ///
-/// The 95 % interval assumes that the logarithm of the error is normally distributed.
+///     (1 - w)^2 noise + w^2 e^2 + bias
+///
+/// Here w is the weight of the other image, and e its difference from the mean of infinitely many views. bias
+/// is the error of the records, assumed to be uncorrelated with e.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight of the other image that is mixed with the views. Several sets of
-/// weights are tried. The first set has the smallest estimated error. Each further set accepts a larger error
-/// to estimate it more accurately. The first set whose 95 % interval is at most wanted_interval_db wide is
-/// chosen. If there is none, the set with the smallest StatedError::high_mse is chosen.
+/// Chooses, for each tile, the weight of the other image that is mixed with the views. The first set of
+/// weights that is tried has the smallest estimated error. Each further set has a larger but more accurately
+/// known error.
+///
+/// The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there is none, it is
+/// the set with the smallest StatedError::high_mse.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

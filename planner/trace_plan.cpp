@@ -30,18 +30,17 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// Fraction of the tiles that must reach the target error. The mean error of the image must reach it, too.
+/// Fraction of the tiles that must reach the target error, besides the mean of the image.
 constexpr double tiles_met = 0.9;
-/// Mean number of new samples per divided cell: its centre, and the midpoints of its sides that have no
-/// sample yet.
+/// Mean number of new samples per divided cell: its centre, and the midpoints of its sides, unless they have
+/// a sample.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, including the overscan
-    /// For each tile of the trace, the squared error at each level of subdivision, summed over the pixels of
-    /// the tile.
+    /// Squared error of each tile at each level of subdivision, summed over its pixels.
     std::vector<ByLevel> tiles;
     TileGrid grid;                                ///< tiles of the trace's image
     double samples = 0, records = 0, hidden = 0;  ///< numbers of samples, visible records and hidden records
@@ -108,11 +107,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
-            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, their errors are
-            // equal and add up. The squared error of the pixel is then proportional to (2^L 4^-L)^2 = 2^-2L.
-            // If the edge is slanted, the errors are independent, and the squared error is proportional to
-            // 2^L (4^-L)^2 = 2^-3L.
+            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of each is
+            // proportional to its area, 4^-L px^2. Squared error of the pixel:
+            // - edge parallel to the cells: their equal errors add up, (2^L 4^-L)^2 = 2^-2L
+            // - slanted edge: their errors are independent, 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -158,8 +156,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // Half of the squared error that the target allows is reserved for the records, and the other half for
-    // the views.
+    // The records may cause half of the squared error that the target allows, the views the other half.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -178,8 +175,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Area of the planned trace, in px, including the overscan. The overscan is taken from the preview, whose
-    // pixels are `coarser` times as wide.
+    // Area of the planned trace with its overscan, in px. The overscan is that of the preview, whose pixels
+    // are `coarser` times as wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
@@ -188,9 +185,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The preview's pixels, and thus
-    // its margin, are `coarser` times as wide. `narrower` therefore scales the number of its hidden records
-    // down.
+    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The margin of the preview is
+    // `coarser` times as wide, so `narrower` scales down the number of its hidden records.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -198,8 +194,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // If all CoC diameters differ by less than half a pixel, hidden surfaces are not recorded. The
-        // largest difference is 2 reach_px, between the nearest surface and an infinitely far one.
+        // Hidden surfaces are not recorded if all CoC diameters differ by less than half a pixel. The largest
+        // difference, between the nearest surface and an infinitely far one, is 2 reach_px.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -22,16 +22,18 @@ struct TracePlan {
     std::string text;               ///< the plan in one sentence, for the log
 };
 
-/// Chooses the settings of a trace. A preview with a quarter of the width and height is traced for this.
+/// Chooses the settings of a trace, from a preview with a quarter of the width and height.
 ///
-/// The preview predicts the record floor of each level of subdivision. The record floor is the error caused
-/// by knowing edges only to within a quadtree cell (planner/errors/record_floor.h). The coarsest level is
-/// chosen whose record floor is at most half of the squared error that `target_db` allows, both in the mean
-/// of the image and in nine of ten tiles. If `for_rays` is set, rays will later replace the view samples that
-/// the records do not determine. In this case TraceSettings::ray_levels is chosen for every target.
+/// The preview predicts the record floor of each level of subdivision, the error of knowing edges only to
+/// within a quadtree cell (planner/errors/record_floor.h). The coarsest level is chosen whose record floor is
+/// at most half of the squared error that `target_db` allows. This must hold for the mean of the image and
+/// for nine of ten tiles.
 ///
-/// Hidden surfaces, overscan and recorded instants are chosen by the rules of `trace` for the lens and the
-/// shutter. Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
+/// With `for_rays`, rays will later replace the view samples that the records do not determine. The level is
+/// then always TraceSettings::ray_levels.
+///
+/// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
+/// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
 ///
 /// Throws Error(wrong_arguments) if `asked` has neither for_shutter nor both for_f_number and for_focus_m.
 /// Also throws the errors of trace_to_file. Writes a file to the system's temporary folder.

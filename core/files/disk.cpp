@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 std::uint64_t free_disk_bytes(const fs::path& target) {
     std::error_code error;
-    // If `target` is a link, the new file is written into the folder that the link points into.
+    // If `target` is a link, the file is written into the folder that the link points into.
     const fs::path destination = fs::weakly_canonical(target, error);
     const fs::path& file = error ? target : destination;
     const fs::space_info space =

@@ -1,4 +1,4 @@
-// Checks whether output will fit on the disk before the output is computed.
+// Checks whether output will fit on the disk, before it is computed.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,8 @@
 
 namespace postlens {
 
-/// Returns the free space, in bytes, of the file system on which `target` is or will be created. If `target`
-/// is a symbolic link, the file system of its destination is used. Returns the largest representable number
-/// if the system does not report the free space.
+/// Returns the free space, in bytes, of the file system of `target`, or of its destination if it is a
+/// symbolic link. The file need not exist. If the space is unknown, returns the largest representable number.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
 /// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes`

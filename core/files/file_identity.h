@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns a text that is the same for every path that leads to the same file. Relative paths, symbolic links
-/// and hard links make no difference. If the file does not exist, the text is made from its folder and name.
+/// Returns a text that is the same for every path to the same file, also through symbolic and hard links. If
+/// the file does not exist, it is made from its folder and name.
 [[nodiscard]] std::string file_identity(const std::filesystem::path& path);
 
 /// Throws Error(wrong_arguments) if one of the files in `written` is also in `read`.

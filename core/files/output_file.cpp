@@ -18,9 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, which the signal handler removes. To use or free a path, a thread or
-// the handler first exchanges the pointer for null, so no other one uses the path at the same time. If there
-// are more than slot_count files, the handler does not remove the others.
+// Paths of the existing temporary files, which the signal handler removes. To use or free a path, its pointer
+// is first exchanged for null, so that a thread and the handler never share it. Beyond slot_count files, the
+// handler removes none.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -81,16 +81,15 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              target_.string());
     }
     if (fs::exists(status)) {
-        // commit() renames the temporary file to the target. This would replace a device such as /dev/null
-        // with an ordinary file.
+        // commit() would replace a device such as /dev/null with an ordinary file.
         if (!fs::is_regular_file(status)) {
             fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
                  target_.string());
         }
-        // A rename succeeds even if the target file is write-protected, so write protection is checked here.
+        // A rename succeeds even if the target is write-protected, so this is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // Follows symbolic links to the file that is to be written, which need not exist yet. The links remain.
+    // Follows symbolic links to the file to write, which need not exist yet.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);
@@ -105,9 +104,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The temporary name keeps the target's extension, because image writers choose the format by the
-    // extension. It contains the id of the process that owns the file. `number` is needed because a process
-    // may write several files, and processes in different containers may have the same id.
+    // The temporary name keeps the target's extension, because image writers choose the format by it.
+    // `number` is needed because a process may write several files, and processes in different containers may
+    // have the same id.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -146,9 +145,8 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Flushing the folder makes the new name survive a power failure. Errors are ignored, because the file
-    // itself is already complete. A folder that is writable but not readable, for example, cannot be opened
-    // here.
+    // Flushing the folder makes the new name survive a power failure. Errors are ignored, because the file is
+    // complete. A folder that is not readable, for example, cannot be opened here.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

@@ -1,5 +1,5 @@
-// Output files that are either complete or absent. Each file is written under a temporary name and renamed
-// when it is complete.
+// Output files that are either complete or absent. Each is written under a temporary name, and renamed when
+// it is complete.
 #pragma once
 
 #include <atomic>
@@ -10,13 +10,12 @@
 
 namespace postlens {
 
-/// A file that is being written. Write to `temporary_path()`, then call `commit()`. If `commit()` is not
-/// called, for example because of an exception, the temporary file is removed and an older target stays. If
-/// the target is a symbolic link, the file that the link points to is replaced.
+/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Without `commit()`, the
+/// temporary file is removed and an older target stays. If the target is a symbolic link, the file that it
+/// points to is replaced.
 ///
-/// The constructor throws Error(cannot_write) if the target is a folder, a device or write-protected. It also
-/// throws if the target's folder is missing or not writable. The error thus appears before the contents are
-/// computed.
+/// The constructor throws Error(cannot_write) if the target cannot be written, so that the error appears
+/// before the contents are computed.
 class OutputFile {
   public:
     explicit OutputFile(std::filesystem::path target);
@@ -26,18 +25,16 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Path of the temporary file. The file exists, is empty, and belongs to this object only. It is in the
-    /// target's folder and has the target's extension, because image writers choose the format by the
-    /// extension.
+    /// Path of the temporary file, which exists, is empty, and belongs to this object only. It has the
+    /// target's folder and extension, because image writers choose the format by the extension.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
-    /// Writes the whole contents of the file. Call `commit()` afterwards. Throws Error(cannot_write), for
-    /// example if the disk is full.
+    /// Writes the whole contents of the file. Call `commit()` afterwards. Throws Error(cannot_write).
     void write(std::string_view bytes);
 
     /// Flushes the file to disk and renames it to the target. Call it only once. On failure, throws
-    /// Error(cannot_write) and leaves an older target unchanged.
+    /// Error(cannot_write) and keeps an older target.
     void commit();
 
   private:
@@ -49,12 +46,11 @@ class OutputFile {
     bool committed_ = false;
 };
 
-/// Writes a file with the given contents, either completely or not at all. Throws the same errors as
-/// OutputFile.
+/// Writes a file with the given contents, completely or not at all. Throws the same errors as OutputFile.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
 
-/// Removes the temporary files of all OutputFile objects. A signal handler calls it before the process ends,
-/// so it is async-signal-safe. The OutputFile objects must not be used afterwards.
+/// Removes the temporary files of all OutputFile objects, which must not be used afterwards. Signal handlers
+/// may call it, because it is async-signal-safe.
 void remove_all_temporaries() noexcept;
 
 }  // namespace postlens

@@ -12,8 +12,8 @@ namespace postlens {
 /// regular file.
 std::uintmax_t check_regular_file(const std::filesystem::path& path);
 
-/// Reads a whole file as text. Throws Error(invalid_input) if the path is not a readable regular file, or if
-/// the file is larger than `largest_bytes`.
+/// Reads a whole file as text. Throws Error(invalid_input) if it is not a readable regular file, or is larger
+/// than `largest_bytes`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
 
 /// Returns the text without its UTF-8 byte order mark, which some programs write at the beginning of a file.

@@ -10,11 +10,11 @@
 namespace postlens {
 namespace {
 
-/// Limit for the squared difference of sRGB values between the corners of a cell, as a mean over channels. A
-/// larger difference is attributed to an edge, a smaller one to smooth shading. The limit is 0.1 squared.
+/// Squared difference of sRGB values between the corners of a cell (0.1 squared, mean over channels), above
+/// which it is attributed to an edge. Smaller ones are smooth shading.
 constexpr double least_edge = 0.01;
-/// If the squared difference of sRGB values between the corners of a cell is below this, the corners count as
-/// equal. The limit is 1/255 squared.
+/// Squared difference of sRGB values between the corners of a cell (1/255 squared), below which they count as
+/// equal.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace
@@ -48,8 +48,7 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
         const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
         out.square += step * step / 3;
         out.curvature_square += mixed * mixed / 3;
-        // Assigns the corners to the two sides of an edge, by their values in the channel with the largest
-        // difference.
+        // Assigns the corners to the two sides of an edge, in the channel with the largest difference.
         if (step > widest) {
             widest = step;
             const double middle = (*low + *high) / 2;
@@ -99,11 +98,11 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: the light of the highlight (radiance times area) is wrong by `off`. This error
-    // is spread over all pixels of its circle of confusion.
+    // First part of the error: the light of the highlight (radiance times area) is wrong by `off`. It is
+    // spread over its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // Second part of the error: an inaccurate position of the highlight displaces its circle of confusion,
-    // which changes the pixels at the rim of the circle.
+    // Second part of the error: an inaccurate position displaces the circle of confusion, which changes the
+    // pixels at its rim.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -117,9 +116,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Without an edge, the shading varies smoothly, for example as a x^2 + b y^2 + c x y. The mean of the
-    // corners then differs from the mean of the cell by (a + b) / 6. Only c can be computed from the corners,
-    // so a = b = c / 2 is assumed.
+    // Without an edge, the shading varies smoothly, as a x^2 + b y^2 + c x y. The mean of the corners differs
+    // from that of the cell by (a + b) / 6. Only c follows from the corners, so a = b = c / 2 is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

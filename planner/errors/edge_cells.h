@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// A straight edge divides a square of area 1. The area on one side is estimated as the share of the square's
-/// corners on that side. The estimate has this mean squared error, over random edges that separate corners.
+/// Mean squared error of estimating the area on one side of a straight edge in a square of area 1. The
+/// estimate is the share of the square's corners on that side. The edges are random and separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Like edge_cell_variance, but for uniformly distributed edges that are parallel to a side of the square.
+/// Like edge_cell_variance, but for uniformly distributed edges parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
@@ -25,28 +25,28 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// How the edge divides the corners of the cell. `none` means that there is no edge, and the cell is
-    /// nearly uniform. `upright` and `level` mean that the edge separates two adjacent corners from the other
-    /// two, so it may be parallel to a side. `slanted` means that it separates one corner from three, or two
-    /// opposite corners from the other two.
+    /// How an edge divides the corners of the cell:
+    /// - `none`: there is no edge; the cell is nearly uniform
+    /// - `upright`, `level`: two adjacent corners from the other two, so the edge may be parallel to a side
+    /// - `slanted`: one corner from three, or two opposite corners from the other two
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
     double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
-    /// Largest and smallest scene-linear value of the corners, in the channel that has the brightest corner.
+    /// Largest and smallest scene-linear value of the corners, in the channel with the brightest corner.
     double high = 0, low = 0;
 };
 
 /// Estimates the error that bright cells (radiance above 1) cause in the pixels over which the lens spreads
-/// their light. PixelEdges does not count this light, because sRGB encoding clips it in the cells themselves.
+/// their light. PixelEdges does not count it, because sRGB encoding clips this light in the cells.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels, that arises because only the corners of
-    /// cells with an edge are known. `variance_share` multiplies the variance of the cells' light: 1/8, for
-    /// example, predicts the error with cells of half the width.
+    /// Returns the squared error of sRGB values, summed over pixels, of knowing only the corners of cells
+    /// with an edge. `variance_share` multiplies the variance of the cells' light: 1/8 predicts the error
+    /// with cells of half the width.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -57,13 +57,13 @@ class SpreadLight {
     double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// Returns how the colour differs between the four corners of a cell. The order of the corners is upper left,
-/// upper right, lower left, lower right.
+/// Returns how the colour differs between the corners of a cell: upper left, upper right, lower left, lower
+/// right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
 /// Estimates the squared error of a pixel from the corners of its cells. If an edge is parallel to the sides
-/// of the cells, all cells have the same error, and the errors add up. If the edge is slanted, the errors of
-/// the cells are nearly independent, and their squares add up.
+/// of the cells, their errors are equal and add up. If it is slanted, the errors are nearly independent, and
+/// their squares add up.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

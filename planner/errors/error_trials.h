@@ -1,5 +1,5 @@
-// Images made from new traces of the scene. Each trace removes one cause of error, for example that hidden
-// surfaces were not recorded.
+// Images made from new traces of the scene. Each trace removes one cause of error, for example missing hidden
+// surfaces.
 #pragma once
 
 #include <vector>
@@ -13,19 +13,19 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Whether later trials are ignored for a pixel that this trial corrects. Later trials remove other
-    /// limits as well, so they cannot show which limit was the cause.
+    /// Whether later trials are ignored for a pixel that this trial corrects. They remove other limits as
+    /// well, so they cannot show the cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene again, in several trials. Each trial removes one limit of the records, which is
-/// the cause of error of this name:
-/// - frame_edge: the overscan is large enough for the lens and the shutter.
-/// - hidden_surface: all hidden surfaces are recorded. With a shutter, as many instants are recorded as the
-///   motion needs.
-/// - record_density: there is one more level of subdivision (3 to 6 levels in all). Shading trees are
-///   complete, and narrow objects are searched for.
+/// Traces the file's scene again, in several trials. Each trial removes one limit of the records, the cause
+/// of error of this name:
+/// - frame_edge: the overscan is large enough for the lens and the shutter
+/// - hidden_surface: all hidden surfaces are recorded and, with a shutter, as many instants as the motion
+///   needs
+/// - record_density: one more level of subdivision (3 to 6 in all), complete shading trees, and a search for
+///   narrow objects
 ///
 /// The file must have been traced from `scene`. Throws the errors of tracing and of field_focus.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,

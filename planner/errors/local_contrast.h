@@ -1,4 +1,4 @@
-// Estimates the error of a pixel if part of its light is unknown or is reprojected to a wrong position.
+// Estimates the error of a pixel if part of its light is unknown or reprojected to a wrong position.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns, for each pixel, the variance of the sRGB values within a square of 65 px, as a mean over
-/// channels. The result is bit-identical for any number of threads.
+/// Returns the variance of the sRGB values in a square of 65 px around each pixel, as a mean over channels.
+/// The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
 /// Returns the expected squared error of a pixel's sRGB value if light from its surroundings replaces the
@@ -17,8 +17,8 @@ namespace postlens {
     return unknown_share * unknown_share * variance;
 }
 /// Returns the expected squared error of a pixel if part of its light is reprojected to a wrong position.
-/// `light` is the radiance of this part as an sRGB value. On average, half of the light still reaches the
-/// right pixel, so the error is half of `light`, squared.
+/// `light` is the radiance of this part as an sRGB value. On average, half of it still reaches the right
+/// pixel.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

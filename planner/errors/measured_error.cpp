@@ -21,9 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Products of differences between images, as means over channels, summed over pixels. `noise` estimates the
-/// squared noise of the mean of `a` and `b`, and `products` the squared error of `other` (see
-/// measured_error).
+/// Products of differences between images, as means over channels, summed over pixels.
+/// - `noise`: squared noise of the mean of `a` and `b`
+/// - `products`: squared error of `other` (see measured_error)
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -43,14 +43,14 @@ struct Differences {
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Returns the product of the residuals of the image's two independent halves, as a mean over channels. It is
-/// an estimate of the squared error.
+/// Returns the product of the residuals of two independent halves, as a mean over channels: an estimate of
+/// the squared error.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
 /// Returns the mean residuals (ray minus record) of the view samples, converted to sRGB values by the slope
-/// of the sRGB curve. Noise does not bias the mean of such a linear conversion.
+/// of the sRGB curve. Noise does not bias such a linear conversion.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -63,9 +63,9 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the residuals (ray minus image) of the highlights, as differences between encoded sRGB values.
-/// Unlike a linear conversion, these are correct for large residuals. Their bias is small, because the
-/// residuals have little noise.
+/// Returns the residuals (ray minus image) of the highlights, as differences of encoded sRGB values. Unlike a
+/// linear conversion, these are correct for large residuals. Their bias is small, because they have little
+/// noise.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -100,8 +100,7 @@ struct Mean {
     }
 };
 
-/// A sum over all pixels, estimated from pixels that are chosen with known probabilities. The variance
-/// accounts for the random choice of pixels and for their random values.
+/// A sum over all pixels, estimated from pixels that are chosen with known probabilities.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -114,16 +113,16 @@ struct ChosenSum {
     }
 };
 
-/// Returns the errors in a piece (square) of a tile and the variances of these errors. They are parts of the
-/// means over the tile, which has `pixels` pixels.
+/// Returns the errors in a piece (square) of a tile and their variances, as parts of the means over the tile
+/// of `pixels` pixels.
 ///
-/// Let d be half the difference of the halves, and v the noise of their mean. d and v are independent and
-/// have the same variance n. Let e be the difference between the other image and the mean of infinitely many
-/// views. N = d^2 estimates the squared noise, and S = (e - v)^2 - d^2 estimates e^2.
+/// Let d be half the difference of the halves, and v the noise of their mean; they are independent and have
+/// the same variance n. Let e be the difference between the other image and the mean of infinitely many
+/// views. N = d^2 estimates the squared noise, S = (e - v)^2 - d^2 estimates e^2.
 ///
-/// If the other image has the weight w, the error is estimated as (1 - w)^2 N + w^2 S. The difference between
-/// this estimate and the true error has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. In this formula, 4 n^2
-/// is estimated by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
+/// With the weight w of the other image, the estimated error is (1 - w)^2 N + w^2 S. Its difference from the
+/// true error has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. Here 4 n^2 is estimated by 4/3 N^2, and e^2 n
+/// by S N + 2/3 N^2.
 TileError part_of_tile(const Differences& of_piece, double pixels) {
     const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
     return {.noise_mse = noise,
@@ -132,10 +131,9 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals (ray minus record) of the image's two independent halves. If large residuals
-/// are rare, it may happen that each occurs in only one half. All products, and their measured variance, are
-/// then almost 0. The variance is therefore at least the square of the mean squared residual, which is the
-/// variance of a product of independent residuals.
+/// Mean product of the residuals (ray minus record) of two independent halves. Rare large residuals may occur
+/// in only one half. All products, and their measured variance, are then almost 0. The variance is therefore
+/// at least that of a product of independent residuals, the square of the mean squared residual.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -283,8 +281,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
             // Standard deviation of the mean of both halves. Each half has n rays, stratified in four
-            // dimensions (positions in the pixel and on the lens). At the outline of a light source, their
-            // mean has n^(-1 - 1/4) times the variance of a single ray [mitchell1996].
+            // dimensions (pixel and lens). At the outline of a light source, their mean has n^(-1 - 1/4)
+            // times the variance of a single ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -1,5 +1,5 @@
-// Measures the errors of an image in two ways: by comparing two independent halves of its views, and by check
-// rays, whose radiance is compared with the recorded data.
+// Measures the errors of an image: the noise by comparing two independent halves of its views, and the error
+// of the records by check rays.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,12 @@
 
 namespace postlens {
 
-/// Squared errors of a tile. They are errors of sRGB values clamped to [0, 1], as means over pixels and
-/// channels.
+/// Squared errors of a tile's sRGB values, clamped to [0, 1], as means over pixels and channels.
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
     /// Estimated squared difference between the image `other` (see measured_error) and the mean of infinitely
-    /// many views. As an estimate, it may be negative.
+    /// many views. The estimate may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -30,9 +29,9 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error of a mixed image: the views with weight 1 - w, and another
-    /// image with weight w. The estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise`
-    /// and B has the variance `of_product`.
+    /// Returns the variance of the estimated error if another image is mixed in with the weight w. The
+    /// estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B the variance
+    /// `of_product`.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -40,38 +39,38 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Errors that the records cause in the image. They are measured by comparing the radiance of check rays
-    /// with the records. As estimates, they may be negative.
+    /// Error that the records cause in the image, measured by check rays. The estimate may be negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
     std::uint64_t check_rays = 0;
 };
 
-/// Measures the errors of an image whose views are divided into two halves. `a` and `b` are the images of the
-/// halves. Both must have the same number of views and comparisons between view samples and rays. Their sets
-/// of lens points must be independent. Only pixels within `crop` are measured. `checked` and `use` select the
-/// check rays. `other` is another image of the same scene, which does not depend on the views. It is null if
-/// there is none. The result is bit-identical for any number of threads.
+/// Measures the errors of an image whose views are divided into two halves. The result is bit-identical for
+/// any number of threads.
+/// - `a`, `b`: images of the halves, with equal numbers of views and of comparisons with rays, and
+///   independent sets of lens points
+/// - `crop`: only pixels within it are measured
+/// - `checked`, `use`: select the check rays
+/// - `other`: another image of the same scene, independent of the views, or null
 ///
-/// Noise: it is the mean squared difference between the halves and (a + b) / 2, in sRGB values
-/// [mccarthy1969].
+/// Noise: the mean squared difference between the halves and (a + b) / 2, in sRGB values [mccarthy1969].
 ///
-/// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
-/// so the expectation of their product is the squared error of the records.
+/// Bias: a checked pixel has a mean residual (ray minus record) in each half. Their noise is independent, so
+/// the expectation of their product is the squared error of the records.
 ///
-/// Other image: let o be the other image. The noise of `a` and `b` is independent, so the expectation of (o -
-/// a)(o - b) is the squared difference between o and the expectation of the views.
+/// Other image o: the noise of a and b is independent, so the expectation of (o - a)(o - b) is the squared
+/// difference between o and the expectation of the views.
 ///
-/// The variances assume that errors are normally distributed, equal within a square piece of the image
-/// (piece_px), and independent between pieces.
+/// The variances assume that errors are normally distributed, equal within a piece (square of the image,
+/// piece_px), and independent between pieces.
 [[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
 /// Selects the tiles with the largest values, until the values of all other tiles add up to at most `most`.
-/// `value(tile, share)` returns the value of a tile, where `share` is the tile's share of the image. Only
-/// tiles with positive values are selected. Returns 1 for selected tiles and 0 for all others.
+/// `value(tile, share)` is the value of a tile that has this share of the image. Only positive values are
+/// selected. Returns 1 for selected tiles, otherwise 0.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -92,17 +91,18 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise, in sRGB values, of each tile's highlights if rays and not impulse responses
-/// showed them. `views` contains the number of rays per pixel in each tile. `a` and `b` are the two halves of
-/// the image, in which impulse responses spread the highlights.
+/// Estimates the squared noise, in sRGB values, of each tile's highlights if rays showed them instead of
+/// impulse responses. `views` is the number of rays per pixel in each tile. `a` and `b` are the two halves of
+/// the image.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
 /// Selects the tiles in which rays should replace all view samples, because the records cause too much error
-/// there (TileError::bias_mse). Returns 1 for selected tiles. The tiles with the largest errors are selected,
-/// until the others contribute at most `most_mse` to the mean over the image. A tile is also selected if its
-/// error exceeds the noise of its views, twice its own standard error, and `fine_mse`, the error that is
-/// acceptable in a single tile.
+/// (TileError::bias_mse). Returns 1 for selected tiles.
+///
+/// The tiles with the largest errors are selected, until the others contribute at most `most_mse` to the mean
+/// of the image. A tile is also selected if its error exceeds the noise of its views, twice its own standard
+/// error, and `fine_mse`, the acceptable error of a single tile.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

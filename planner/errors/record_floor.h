@@ -1,5 +1,5 @@
-// The record floor: the error of an image that is caused by the spacing of its recorded samples. They
-// determine the position of an edge only to within a quadtree cell.
+// The record floor: the error of an image that the spacing of its recorded samples causes. They show the
+// position of an edge only to within a quadtree cell.
 #pragma once
 
 #include <span>
@@ -12,27 +12,25 @@
 
 namespace postlens {
 
-/// Returns the factor by which a circle of confusion reduces the squared error of an edge, because it
-/// averages the errors of the pixels within it. If the edge is `aligned` with the sides of the quadtree
-/// cells, errors along the edge are equal, and the factor is the number of pixels across the circle.
-/// Otherwise the errors are independent, and the factor is the number of pixels in the circle.
+/// Returns the factor by which a circle of confusion reduces the squared error of an edge, by averaging over
+/// its pixels. If the edge is `aligned` with the quadtree cells, errors along it are equal, and the factor is
+/// the number of pixels across the circle. Otherwise errors are independent, and it is the number of pixels
+/// in the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor for the record floor, to include edges that pass between the corners of a cell, so that no corner
-/// shows them. It is the error of all cells, divided by the error of the cells whose corners show an edge.
-/// The value is a fit.
+/// Factor for edges that pass between the corners of a cell, where no corner shows them: the error of all
+/// cells, divided by that of the cells whose corners show an edge. The value is a fit.
 inline constexpr double floor_unseen = 1.4;
 
-/// For each pixel, the expected squared error caused by the size of the quadtree cells (edge_cells.h) and
-/// reduced by the circle of confusion (averaged_by). The error is computed from sRGB values, as a mean over
-/// channels.
+/// Expected squared error of each pixel due to the size of the quadtree cells (edge_cells.h), reduced by the
+/// circle of confusion (averaged_by). It is the error of sRGB values, as a mean over channels.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
     /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the quadtree leaves that find_leaves
-    /// finds in these rows. Several threads may add different rows at the same time.
+    /// finds there. Several threads may add different rows.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
-    /// Returns `add` as a callback for readers of records. The callback keeps a reference to this object.
+    /// Returns `add` as a callback for readers of records. It keeps a reference to this object.
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
             add(band, y_begin, y_end, leaves);

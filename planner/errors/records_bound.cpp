@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that are drawn to measure the share of unsure samples
-/// in each pixel. With 16 views, this share is accurate to a few hundredths.
+/// Number of views (images from different lens points) that measure the share of unsure samples in each
+/// pixel. 16 views are accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// For each square of 8 x 8 px of an image, the smallest and largest value of each channel. Pixels up to
+/// Smallest and largest value of each channel, for each square of 8 x 8 px of an image. Pixels up to
 /// `radius_px` around the square count, too.
 class Ranges {
   public:
@@ -32,7 +32,7 @@ class Ranges {
                 for (std::size_t c = 0; c < 3; ++c) to[c].add(image.pixel(x, y)[c]);
             }
         }
-        // The ranges of the squares are extended along rows first, then along columns.
+        // The ranges are extended along rows first, then along columns.
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }

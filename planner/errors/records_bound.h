@@ -1,5 +1,5 @@
-// Upper bound of the error of an image without rays. The error is caused by unsure view samples, whose
-// colours the records do not determine.
+// Upper bound of the error of an image without rays. Unsure view samples, whose colours the records do not
+// determine, cause this error.
 #pragma once
 
 #include <cmath>
@@ -15,20 +15,19 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Values for all pixels of the image. With a crop, only those of the pixels within the crop are valid.
+/// Values for all pixels of the image. With a crop, only the pixels within it are valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
 };
 
-/// Returns an upper bound of the error that unsure view samples cause. Unsure samples are those that the
-/// records do not determine (docs/light_field.md). A few views are drawn to measure their share in each
-/// pixel.
+/// Returns an upper bound of the error that unsure view samples, which the records do not determine, cause in
+/// each pixel. A few views are drawn to measure their share.
 ///
-/// The bound is based on two assumptions. The radiance of an unsure sample lies between the darkest and the
-/// brightest value of the pinhole image within the pixel's largest circle of confusion. All unsure samples of
-/// a pixel are too bright, or all are too dark. The bound is usually much larger than the error. The error
-/// can exceed the bound if the pinhole image does not contain all radiance of the scene.
+/// The bound assumes that an unsure sample lies between the darkest and the brightest value of the pinhole
+/// image within the largest circle of confusion. It also assumes that all unsure samples of a pixel are too
+/// bright, or all too dark. It is usually much larger than the error. The error can exceed it if the pinhole
+/// image does not contain all radiance of the scene.
 ///
 /// `image` is scene-linear. `lens.scene` and the number of views are ignored. Throws the errors of
 /// hybrid_picture.

@@ -16,8 +16,8 @@ namespace {
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
 /// Each piece (square of the image) uses one of `scrambles` differently scrambled sets of lens points. The
-/// index of the set increases by 1 per piece to the right, and by `scrambles_down` per piece down, modulo
-/// `scrambles`. Pieces with the same set are thus at least 8 pieces apart.
+/// index increases by 1 per piece to the right, and by `scrambles_down` per piece down, modulo `scrambles`.
+/// Pieces with the same set are thus at least 8 pieces apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Blends a pixel's values in `to` with those in `from`, which get the weight `share`.
@@ -65,8 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // The key is a range [first, end) of views that this half still lacks in some pieces (squares of the
-        // image). The value lists the scrambled sets of lens points that these pieces use.
+        // Key: a range [first, end) of views that this half lacks in some pieces (squares of the image).
+        // Value: the scrambled sets of lens points that these pieces use.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -1,5 +1,5 @@
-// Divides the views of an image (reprojections to different lens points) into two independent halves. The
-// difference between the halves measures the noise.
+// Divides the views of an image (reprojections to different lens points) into two independent halves. Their
+// difference measures the noise.
 #pragma once
 
 #include <array>
@@ -17,22 +17,20 @@
 
 namespace postlens {
 
-/// Draws the views of an image in several steps. Each tile has its own number of views. If a scene is given,
-/// rays replace samples whose colours the records do not determine.
+/// Draws the views of an image in several steps, with a number of views for each tile. With a scene, rays
+/// replace samples whose colours the records do not determine.
 class HalvedViews {
   public:
-    /// In `settings`, `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set
-    /// of lens points. An image uses fewer than 128 consecutive sets, so images whose `first_set` differ by
-    /// 128 or more share none. Throws the errors of hybrid_picture.
+    /// `focus.views` and `focus.method` of `settings` are ignored. `first_set` is the index of the first set
+    /// of lens points. An image uses fewer than 128 consecutive sets. Throws the errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` views. The views are divided into
-    /// two halves, whose difference measures the noise. If the number of views is odd, half 0 has one more
-    /// view than half 1. The result is bit-identical for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` views, in two halves. If the number
+    /// is odd, half 0 has one view more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
     /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states
-    /// whether rays also replace the highlights. Tiles are not redrawn if an earlier call made rays replace
-    /// as much or more. Returns whether a tile was redrawn.
+    /// whether they also replace the highlights. Returns whether a tile was redrawn, which is not so if an
+    /// earlier call replaced as much or more.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -44,7 +42,7 @@ class HalvedViews {
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean of all views drawn so far. Its `checks` contain sums over both halves of the views.
+    /// Returns the mean of all views drawn so far. Its `checks` contain sums over both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -66,8 +64,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views as an image, together with the number of rays and the share of view samples
-/// within `crop` that are rays. `stated` stays empty.
+/// Returns the mean of all views as an image, the number of rays, and the share of view samples within `crop`
+/// that are rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Checks the settings of an image and converts them to settings of the light field and of the ray tracer.
+// Checks the settings of an image, and converts them for the light field and the ray tracer.
 #pragma once
 
 #include <string>
@@ -12,13 +12,16 @@
 namespace postlens {
 
 /// Returns the name of the camera in `scene` through which the file was traced. Throws Error(invalid_input)
-/// if the file was traced from another scene, or if the scene has no such camera.
+/// if the file was traced from another scene, or if there is no such camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) if a light field cannot make the image. There are five such cases: the file
-/// is orthographic, the framing differs from that of the trace, the impulse response has no lens points, the
-/// crop exceeds the image, or the scene's exposure differs from the file's. The error's message names
-/// `method` or `--scene`.
+/// Throws Error(wrong_arguments) if a light field cannot make the image. The message names `method` or
+/// `--scene`. The cases are:
+/// - the file is orthographic
+/// - the framing differs from that of the trace
+/// - the impulse response has no lens points
+/// - the crop exceeds the image
+/// - the scene's exposure differs from the file's
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
 /// Returns the settings of the light field: lens, shutter and crop, without rays.

@@ -27,7 +27,7 @@ struct TileGrid {
                   y = static_cast<int>(tile) / columns() * edge;
         return std::min(edge, width - x) * std::min(edge, height - y);
     }
-    /// Returns the mean of `values` in each tile. `values` contains one value per pixel, row by row.
+    /// Returns the mean of `values` in each tile. They have one value per pixel, row by row.
     [[nodiscard]] std::vector<double> means(std::span<const float> values) const {
         std::vector<double> out(count(), 0);
         auto value = values.begin();
@@ -39,10 +39,9 @@ struct TileGrid {
     }
 };
 
-/// Returns the edge of a piece, in px. A piece is a square of the image with its own scrambled lens points,
-/// so that the errors of pieces are independent. The noise of the image is estimated as a mean over pieces.
-/// An image should therefore have at least 2000 of them. The edge is a power of two, at least 4 px and at
-/// most the edge of a tile.
+/// Returns the edge of a piece, in px: a power of two, from 4 px to the edge of a tile. A piece is a square
+/// of the image with its own scrambled lens points, so that the errors of pieces are independent. The noise
+/// is estimated as a mean over pieces, so an image should have at least 2000.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
