@@ -23,7 +23,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Radius in px, above which a response has fewer subpixel positions, because they are not visible.
+    // Radius, in px, from which fewer subpixel positions are used, because they are not visible in larger
+    // responses.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {

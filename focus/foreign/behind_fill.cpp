@@ -452,7 +452,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // The content of pixels outside `known` is unknown, so they are not empty.
+    // Pixels outside `known` do not count as empty, because their content is unknown.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
