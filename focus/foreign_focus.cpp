@@ -298,7 +298,7 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no view shows from the pixels around them, and warns if they are
+/// Fills the parts of an image that no view shows, from the pixels around them. Warns if these parts are
 /// noticeable. Removes the alpha of an opaque image.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {

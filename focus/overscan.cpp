@@ -13,8 +13,8 @@ namespace {
 /// There is no warning if missing light reaches less far into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns how far light from beyond the recorded area would reach into the image, in px, for each pixel
-/// along one side.
+/// Returns how far missing light from beyond the recorded area would reach into the image, in px. There is
+/// one value per pixel along the side.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

@@ -229,8 +229,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // An unrecorded surface is assumed to differ from its surroundings by the local contrast, or by
-            // the mean contrast of the image if that is larger.
+            // An unrecorded surface is assumed to differ from its surroundings by the local contrast. The
+            // mean contrast of the image is the lower limit.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));

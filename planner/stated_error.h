@@ -36,8 +36,8 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Returns the width of the 95 % interval in dB, of this error or of an error `mse` whose estimate has
-    /// the given variance.
+    /// Returns the width of the 95 % interval of this error, in dB. The overload is for an error `mse` whose
+    /// estimate has the given variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };

@@ -30,8 +30,8 @@ class BorderExtension {
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the border, with the mean colour and alpha of its surface, and the distance to which it is
-    /// continued.
+    /// A sample at the border, and the distance to which it is continued. Its colour and alpha are means over
+    /// its surface.
     struct Continued {
         StackSample sample;
         int length_px = 0;

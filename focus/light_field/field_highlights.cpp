@@ -17,8 +17,8 @@ namespace {
 /// A highlight is blurred if the smaller semi-axis of its CoC exceeds this, in px. The mean of the views
 /// would show it as separate dots.
 constexpr double spread_from_px = 2;
-/// If the smaller semi-axis of a highlight's CoC is below this, in px, the whole lens sends its light to a
-/// single pixel.
+/// Limit for the smaller semi-axis of a highlight's CoC, in px. Below it, the whole lens sends the
+/// highlight's light to a single pixel.
 constexpr double seen_by_all_px = 0.5;
 /// A sharp highlight is spread by its impulse response only if the highlights of its sheet (surface within 16
 /// x 16 px) have a smaller total area than this, in px^2:

@@ -91,8 +91,8 @@ class FieldHighlights::OverViews final : public Lights {
     /// their numbers of visibility samples per pixel.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the visible share of a group of highlights in each pixel of `part` to the fraction of views that
-    /// see the group's centre.
+    /// Sets the visible share of a group of highlights in each pixel of `part`. It is the fraction of views
+    /// that see the group's centre.
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in

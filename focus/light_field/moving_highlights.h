@@ -26,7 +26,7 @@ class HighlightMotion {
     /// Dimmer ones already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 
-    /// Returns the motion of an object from the recorded instant to the instant at which the fraction `u` (0
+    /// Returns the motion of an object from the recorded instant to another one, at which the fraction `u` (0
     /// to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
     /// - `moves`: whether an object moves on the raster
@@ -44,8 +44,8 @@ class HighlightMotion {
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Returns how many instants a highlight needs for a continuous streak. Between two instants, it may move
-    /// and grow by half a pixel, or by a quarter of its CoC radius if that is more.
+    /// Returns how many instants a highlight needs for a continuous streak: a power of two up to
+    /// `most_moments`, or 1 without motion.
     ///
     /// The number is a power of two, and at most `most_moments`. It is 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
@@ -61,8 +61,8 @@ class HighlightMotion {
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Returns the motion of an object from the recorded instant to the middle of each of `count` equal parts
-    /// of the exposure. Several threads may call this function.
+    /// Divides the exposure into `count` equal parts. Returns the motion of an object from the recorded
+    /// instant to the middle of each part. Several threads may call this function.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

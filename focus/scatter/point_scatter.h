@@ -27,8 +27,8 @@ class PointScatter {
     /// The part of `rows` that splats may reach, possibly empty. Outside it, sums are zero and not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// Returns the sums of red, green, blue and weight of a pixel within reached(), followed by those of the
-    /// next pixels of the row.
+    /// Returns the sums of red, green, blue and weight of a pixel within reached(). Those of the next pixels
+    /// of the row follow.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:

@@ -131,8 +131,8 @@ class SplatTables {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns the largest share of each pixel of raster row y that may be empty, or null if let_nothing_fill
-    /// was not called.
+    /// Returns the largest share of each pixel of raster row y that may be empty. Returns null if
+    /// let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *

@@ -14,7 +14,7 @@ namespace postlens {
 namespace {
 
 /// Number of views (images from different lens points) that measure the share of unsure samples in each
-/// pixel. 16 views are accurate to a few hundredths.
+/// pixel. With 16 views, it is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
 /// Smallest and largest value of each channel, for each square of 8 x 8 px of an image. Pixels up to

@@ -26,8 +26,8 @@ class CheckedPixels {
     /// a light has an extent.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the views that are compared with a ray in pixel (x, y), from the views [first, first + count)
-    /// of a set. The appended indices are relative to `first`.
+    /// Appends those of the views [first, first + count) of a set that are compared with a ray in pixel (x,
+    /// y). The appended indices are relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
     /// Implements PatchViews::aimed for a half that has `views` views.
     [[nodiscard]] double aimed(int x, int y, int views) const;

@@ -64,8 +64,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views as an image, the number of rays, and the share of view samples within `crop`
-/// that are rays. `stated` stays empty.
+/// Returns the mean of all views as an image. Also returns the number of rays, and the share of view samples
+/// within `crop` that are rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens
