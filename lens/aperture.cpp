@@ -13,15 +13,14 @@ namespace {
 
 using glm::dvec2;
 
-/// If `rim_scale` is below this value, the rim that causes cat's-eye vignetting (see Aperture) is ignored.
-/// Projected onto the lens, its radius is then more than 20 lens radii.
+/// Below this `rim_scale`, cat's-eye vignetting is ignored. The vignetting rim, projected onto the lens, then
+/// has a radius above 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
-/// Largest distance, in lens radii, between the true shape of the aperture and the polygon from which
-/// sample() draws points.
+/// Largest error, in lens radii, of the polygon from which sample() draws points.
 constexpr double fine = 1e-5;
 
-/// Finds u in the cumulative distribution from `begin` to `end`, whose last value is 1. Returns the index of
-/// the interval that contains u, and the position of u within this interval (0 to 1).
+/// Inverts a cumulative distribution whose last value is 1. Returns the interval that contains u, and u's
+/// position in it (0 to 1).
 std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
     const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
     const double before = at == begin ? 0 : at[-1];
@@ -80,9 +79,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // outline() returns a polygon with the same area as the circle, so its corners lie outside the
-        // circle. farthest_ includes these corners. They exceed the circle by less than 1.5 % for tolerances
-        // up to 0.02 lens radii.
+        // outline() has the same area as the circle, so its corners lie outside the circle. They exceed it by
+        // less than 1.5 % for tolerances up to 0.02 lens radii.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -130,11 +128,10 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Returns the fraction of the unit disc inside a second circle: the rim that causes cat's-eye vignetting,
-// projected onto the lens. This circle has the radius r = 1 / rim_scale, and its centre is at distance d from
-// the disc's centre.
+// Returns the fraction of the unit disc inside the vignetting rim. The rim is projected onto the lens.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
+    // The projected rim is a circle of radius r at distance d from the disc's centre.
     const double r = 1 / rim_scale;
     const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
     if (d >= 1 + r) return 0;

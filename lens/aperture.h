@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// An aperture given as an image of its transmittance, stored row by row. The longer side of the image spans
-/// [-1, 1] on the lens.
+/// An aperture given as an image of its transmittance, row by row. The image's longer side spans [-1, 1] on
+/// the lens.
 struct AperturePicture {
     int width = 0, height = 0;
     std::vector<double> light;  ///< >= 0, not all 0
@@ -38,14 +38,16 @@ struct AperturePicture {
 ///   side.
 class Aperture {
   public:
-    /// Makes a disc, a polygon, or the aperture of the given image. Throws Error(wrong_arguments) for
-    /// settings that check_impulse rejects. Throws Error(invalid_input) if the image transmits no light.
+    /// Makes a disc, a polygon, or the aperture of the given image.
+    ///
+    /// Throws Error(wrong_arguments) if check_impulse rejects the settings. Throws Error(invalid_input) if
+    /// the image transmits no light.
     explicit Aperture(const Impulse& impulse, std::optional<AperturePicture> picture = std::nullopt);
 
     /// Returns true for the unit disc without any modifier.
     [[nodiscard]] bool is_round() const;
-    /// Returns true if the aperture is symmetric about its centre. A point in front of the focus then has the
-    /// same impulse response as a point behind it whose circle of confusion is equally large.
+    /// Returns true if the aperture is symmetric about its centre. Foreground and background bokeh of equal
+    /// size then look the same.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
@@ -55,28 +57,28 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline, in lens radii, of the part of the aperture that transmits light to the field
-    /// position `field`. The outline is a polygon within `tolerance` of the true curve, and empty if no light
-    /// passes. Not available for apertures given as images. `field` and `rim_scale` are as in Aperture.
+    /// Returns the outline of the aperture as seen from a field position, in lens radii. It is a polygon
+    /// within `tolerance` of the true curve, and empty if no light passes.
+    ///
+    /// Not available for apertures given as images. `field` and `rim_scale` are explained at Aperture.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
-    /// radii. If rim_scale is below 0.05, returns a square around the aperture instead, which blocks no
-    /// light.
+    /// Returns the vignetting rim, projected onto the lens, in lens radii. If rim_scale is below 0.05,
+    /// returns a square that blocks no light.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if light through point q of the aperture passes the rim that causes cat's-eye vignetting.
+    /// Returns true if light through point q of the aperture passes the vignetting rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting. The
-    /// fraction is 1 without such a rim, and exact for the disc. For other shapes, it is interpolated in a
-    /// table over `field` and `rim_scale`. The error is about 1e-3 where rim_scale is 1, that is, for distant
-    /// scene points.
+    /// Returns the fraction of the aperture's light that passes the vignetting rim.
+    ///
+    /// The fraction is exact for the disc. For other shapes it is interpolated in a table, with an error of
+    /// about 1e-3 for distant scene points.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
-    /// Maps (u, v) in [0, 1)^2 to a point of the aperture. The density of the points is proportional to the
-    /// transmitted light. The map is continuous almost everywhere. Cat's-eye vignetting is ignored.
+    /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted
+    /// light. The map is continuous almost everywhere. It ignores cat's-eye vignetting.
     [[nodiscard]] glm::dvec2 sample(double u, double v) const;
-    /// Returns the transmittance at a point, relative to the highest transmittance of the aperture. It is 0
-    /// outside the aperture. Cat's-eye vignetting is ignored.
+    /// Returns the transmittance at a point, relative to the aperture's highest. It is 0 outside the
+    /// aperture. Cat's-eye vignetting is ignored.
     [[nodiscard]] double transmittance(const glm::dvec2& q) const;
 
     /// Hash of shape and modifiers.
@@ -89,8 +91,7 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Number of intervals of the table from which `transmission` interpolates, along each axis of the field
-    /// position. Each axis covers [-1, 1].
+    /// Number of intervals of the transmission table along each field axis. Each axis covers [-1, 1].
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

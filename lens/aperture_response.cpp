@@ -32,8 +32,7 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // The reach is slightly enlarged. Otherwise, rounding might exclude a corner of the outline that lies on
-    // a pixel border.
+    // Enlarges the reach slightly. Otherwise rounding might exclude a corner that lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -42,22 +41,22 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns the number of parts, at most 256, into which a line of `length` on the lens is divided. Spherical
-/// aberration makes the line's image curved; the image of each part is straight within 0.02 px.
+/// Divides a line of `length` on the lens into at most 256 parts. Spherical aberration curves the line's
+/// image, but each part's image is straight within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
     return static_cast<int>(std::clamp(std::ceil(length / longest), 1.0, most));
 }
 
-/// An aperture image at reduced resolution. Each value is the sum of `step` x `step` cells of the original.
+/// An aperture image at reduced resolution. Each value is the sum of `step` x `step` original cells.
 struct CoarsePicture {
     int step = 1, width = 0, height = 0;
     std::vector<double> light;
 };
 
-/// Reduces the resolution of an aperture image until the image of one cell in the response is about half a
-/// pixel wide. `cell_px` is the width, in px, of the image of an original cell.
+/// Coarsens an aperture image until each cell covers about half a pixel of the response. An original cell
+/// covers `cell_px` px.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -75,15 +74,15 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Deposits the light of an aperture that is given as an image. Returns the deposited energy.
+/// Deposits the light of an aperture given as an image. Returns the deposited energy.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // Corner of a cell of the coarse image `p`, which combines p.step x p.step cells of the aperture image.
-    // The last column and row end at the border of the aperture image, so their cells can be smaller.
+    // Returns the corner of a coarse cell. Cells of the last column and row end at the image's border, so
+    // they can be smaller.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -122,9 +121,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Deposits the light of an aperture that is given by its outline. The aperture is divided into rings around
-/// the outline's centre, and each ring into cells. Each cell is added as two triangles. Spherical aberration
-/// can fold the image of a quadrilateral, but not that of a triangle.
+/// Deposits the light of an aperture given by its outline. The aperture is divided into rings around its
+/// centre, and each ring into cells.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -150,6 +148,8 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
+            // Each cell becomes two triangles. Spherical aberration can fold a quadrilateral's image, but not
+            // a triangle's.
             const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
@@ -189,13 +189,12 @@ double rim_of(const Aperture& aperture) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
-    // images, Aperture::farthest is slightly too large for it.
+    // Light through the lens at radius rho lands |R rho + S rho^3| px from the point's image. R is
+    // `radius_px`, and S is `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Light through the rim lands farthest, unless |R rho + S rho^3| has a local maximum inside the rim,
-    // where its derivative R + 3 S rho^2 is 0.
+    // Light through the rim usually lands farthest. The exception is a local maximum inside the rim, where R
+    // + 3 S rho^2 = 0.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -204,8 +203,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye (mechanical vignetting), the outline differs from pixel to pixel, but all pixels of a
-    // region share one response. The error of this sharing makes a precision better than 0.02 px useless.
+    // With cats_eye, the outline varies over the image, but a region's pixels share one response. More
+    // precision than 0.02 px would be useless there.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

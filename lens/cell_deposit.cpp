@@ -18,8 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // Coordinates are relative to the polygon's first corner. This keeps the area of a small polygon
-        // precise even if it is far from the anchor (the origin of the grid).
+        // Measures from the first corner, so that small polygons far from the grid's origin keep a precise
+        // area.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -39,9 +39,8 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the whole area to the right of one side of a polygon: with positive sign if the side
-// runs upwards, and with negative sign if it runs downwards. The sum over all sides is the energy inside the
-// polygon.
+// Adds the energy of the whole area to the right of one polygon side. The sign is positive for sides that run
+// upwards, so the sum over all sides is the energy inside.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
@@ -66,8 +65,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A side adds energy to the area on its right. For the part of the side left of column 0, this area
-        // contains the whole row, so after[0] gets the energy.
+        // Left of column 0, the area to the right of the side includes the whole row. So after[0] gets this
+        // energy.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

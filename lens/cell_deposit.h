@@ -8,15 +8,15 @@
 
 namespace postlens {
 
-/// Adds polygons of either orientation, with exact area coverage. finish() writes the sums to the grid in one
-/// pass.
+/// Adds polygons of either orientation to a grid, with exact area coverage.
 class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Spreads the energy uniformly over a convex polygon. Corners are in px relative to the grid's anchor
-    /// (the origin of its coordinates). If the area is below 1e-5 px^2, the energy is instead divided equally
-    /// among the pixels that contain the polygon's centre and the midpoints of its sides.
+    /// Spreads the energy uniformly over a convex polygon. Corners are in px relative to the grid's anchor.
+    ///
+    /// A polygon smaller than 1e-5 px^2 is treated as points. Its energy is divided among the pixels of its
+    /// centre and the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();

@@ -10,13 +10,12 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // Elements of the matrix M M^T. Its eigenvalues are the squared semi-axes of the ellipse.
+    // Elements of the matrix M M^T. Its eigenvalues are the squared semi-axes.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // std::sqrt is five times as fast as std::hypot. It is safe here, because squared lengths in px neither
-    // overflow nor underflow.
+    // std::sqrt is five times as fast as std::hypot. Squared lengths in px cannot overflow here.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
     const double smallest_squared = smallest_px * smallest_px;
@@ -24,8 +23,9 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Lengthens only the minor axis. M M^T is minor I + (major - minor) a a^T, where `major` and `minor`
-        // are the squared semi-axes and a is the unit vector along the major axis.
+        // Lengthens only the minor axis. a is the unit vector along the major axis:
+        //
+        //     M M^T = minor I + (major - minor) a a^T
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -46,8 +46,7 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// The part of the ellipse in one pixel row, between the heights t0 and t1 from the centre, and values that
-/// are precomputed for the whole row.
+/// The part of the ellipse within one pixel row, from height t0 to t1 above the centre.
 struct EllipseRows::Strip {
     double t0, t1;
     double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at t0 and t1
@@ -77,7 +76,7 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A very flat ellipse occupies one row, even if rounding makes cy + half_height equal to cy.
+    // A very flat ellipse occupies one row, even if rounding makes its height 0.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -89,17 +88,18 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area of the part of the strip to the left of the vertical line at x. The strip is the part of
-/// the ellipse within one pixel row. x is relative to the ellipse's centre.
+/// Returns the area of the strip to the left of a vertical line at x. The strip is the part of the ellipse
+/// within one pixel row, and x is relative to the centre.
 ///
-/// Let left(t) and right(t) be the ends of the ellipse's chord at the height t. The area is the integral of
-/// min(right(t), x) - min(left(t), x) over t. Between the heights at which the ellipse crosses the line, this
-/// integral has a closed form.
+/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t. left(t) and right(t) are
+/// the ends of the ellipse's chord at t.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // The outline of the ellipse crosses x at heights t where (x - k t)^2 = s^2 (1 - (t / H)^2), with shear
-    // k, half chord s and half height H. This is the quadratic equation a t^2 - 2 k x t + x^2 - s^2 = 0.
+    // The ellipse's outline crosses the line at two heights t, the roots of this equation. H is the half
+    // height.
+    //
+    //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
     const double quarter_discriminant = s * s * (a - x * x / (e_.half_height * e_.half_height));
     std::array<double, 4> t{strip.t0, strip.t0, strip.t1, strip.t1};
@@ -147,9 +147,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // Finds the left and right ends of this row's part of the ellipse. The right end is the ellipse's
-    // rightmost point, if that point is in this row. Otherwise it is on the row's upper or lower border. The
-    // left end is found in the same way.
+    // Finds the left and right ends of the ellipse in this row. Each end lies on a border of the row, unless
+    // the ellipse's extreme point is in this row.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));
@@ -172,9 +171,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // The value of each pixel is the area to the left of its right border, minus the area to the left of its
-    // left border. The values of a row therefore add up to the area in the row, without accumulated rounding
-    // errors.
+    // A pixel's value is the difference of the areas to the left of its two borders. The values of a row
+    // therefore add up to its area, without accumulated rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

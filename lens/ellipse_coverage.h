@@ -1,5 +1,5 @@
-// Computes exactly how much of each pixel a disc or an ellipse covers. This coverage is the geometric impulse
-// response of a round aperture.
+// Computes exactly how much of each pixel a disc or an ellipse covers: the impulse response of a round
+// aperture.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,17 @@
 
 namespace postlens {
 
-/// The ellipse { centre + M u : |u| <= 1 }, which is the image of the unit disc under a 2x2 matrix M in px.
-/// The members describe the horizontal chords of the ellipse. The chord at height y from the centre ends at
-/// centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2).
+/// An ellipse, the image of the unit disc under a 2x2 matrix. It is described by its horizontal chords. At
+/// height y above the centre, the chord ends at
+///
+///     centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2)
 struct Ellipse {
     double half_height = 0;  ///< > 0
     double half_chord = 0;   ///< > 0, half the chord through the centre
     double shear = 0;
     [[nodiscard]] static Ellipse disc(double radius_px) { return {radius_px, radius_px, 0}; }
-    /// Makes the ellipse of matrix M. A semi-axis shorter than `smallest_px` is lengthened to `smallest_px`,
-    /// so that the ellipse has an area.
+    /// Makes the image of the unit disc under M. Semi-axes shorter than `smallest_px` are lengthened, so that
+    /// the ellipse has an area.
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
     [[nodiscard]] double area_px2() const;
@@ -32,25 +33,25 @@ struct CoverageRow {
     std::vector<double> share;  ///< ellipse area in the pixel / ellipse area
 };
 
-/// Returns the coverage by the ellipse with its centre at (cx, cy), for every row that the ellipse touches,
-/// from top to bottom. Areas are integrated analytically and are therefore exact up to rounding.
+/// Returns the coverage for every row that the ellipse touches, from top to bottom. Values are exact up to
+/// rounding, because areas are integrated analytically.
 [[nodiscard]] std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy);
 
 /// Reference for tests. Estimates the coverage of one pixel from n x n sample points.
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// Coverage of the pixels in one row. Pixels [inner_begin, inner_end) are completely covered and have the
-/// same value, which is stored once. The edge pixels on both sides have individual values. Pixels outside
-/// [x_begin, x_end) are not covered. x_begin <= inner_begin <= inner_end <= x_end.
+/// Coverage of the pixels in one row.
+/// - Pixels [inner_begin, inner_end) are completely covered and share one value.
+/// - The other pixels in [x_begin, x_end) have values of their own.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Values of the pixels [x_begin, inner_begin), followed by those of [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes how much of each pixel the ellipse covers. Rows can be computed in any order. Completely covered
-/// pixels are not visited, so the time for all rows is proportional to the length of the outline.
+/// Computes the coverage row by row, in any order. Completely covered pixels are not visited, so the time
+/// depends only on the length of the outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);

@@ -1,5 +1,5 @@
-// Converts a shift of the viewpoint on the lens to the displacement of a scene point's image on the raster.
-// All conversions between mm, m and px are in this file.
+// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. All conversions
+// between mm, m and px are here.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -24,17 +24,20 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, whose centre is the pinhole of the trace. If the viewpoint moves from the
-/// pinhole to the lens point q (in m, in raster axes), the image of a point at depth z' moves on the raster
-/// by `gain_px * (1/s - 1/z') * q` px.
+/// A lens focused at distance s, whose centre is the traced pinhole. Moving the viewpoint to lens point q
+/// shifts the image of a point at depth z' by
+///
+///     gain_px * (1/s - 1/z') * q    px
+///
+/// q is in m, in raster axes.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
     double gain_px = 0;              ///< film distance d / pixel pitch, after framing, px
     double zoom = 1;                 ///< magnification of the raster about its centre
 
-    /// Returns the signed diameter of the circle of confusion, in px. It is positive for points behind the
-    /// focus distance, and finite for every inverse depth.
+    /// Returns the signed diameter of the circle of confusion, in px. It is positive behind the focus
+    /// distance, and finite for every inverse depth.
     [[nodiscard]] double coc_diameter_px(double inverse_depth_per_m) const {
         return 2 * aperture_radius_m * gain_px * (inverse_focus_per_m - inverse_depth_per_m);
     }
@@ -43,8 +46,7 @@ struct FocusGeometry {
 /// Makes the geometry of a focused lens.
 /// - The focal length F must be positive and finite.
 /// - The f-number must be positive; infinity means a pinhole.
-/// - The focus distance s must exceed F, because the lens forms no real image of nearer points. For
-///   Framing::keep, s > 0 suffices. s may be infinite.
+/// - The focus distance s must exceed F and may be infinite. For Framing::keep, s > 0 suffices.
 ///
 /// Throws Error(wrong_arguments), with the reason, if a value is out of range.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,

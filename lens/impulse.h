@@ -1,5 +1,4 @@
-// Settings of the impulse response, which is the image of one scene point: how its light is distributed over
-// pixels.
+// Settings of the impulse response, the image of one scene point.
 #pragma once
 
 #include <filesystem>
@@ -34,19 +33,19 @@ struct Impulse {
     double spherical = 0;  ///< 1/m, see Aperture
 };
 
-/// Parses an impulse response that is written in one of these forms: disc | polygon:BLADES[:DEG[:ROUNDNESS]]
-/// | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION. Throws Error(wrong_arguments) with a message
-/// that begins with `option`, the name of the option. Unless `real_lenses` is set, lens:PRESCRIPTION is not
-/// accepted.
+/// Parses one of disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE |
+/// lens:PRESCRIPTION. The last needs `real_lenses`.
+///
+/// Throws Error(wrong_arguments) with a message that begins with `option`, the name of the option.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text,
                                     bool real_lenses = true);
 
-/// Returns the name of the file that an impulse response reads, or an empty string if it reads none. `text`
-/// is the argument of `--impulse`.
+/// Returns the file that an impulse response reads, or an empty string. `text` is the argument of
+/// `--impulse`.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
-/// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical is out of range, or if one of them is set
-/// for a kind of aperture to which it does not apply.
+/// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical is out of range, or does not apply to this
+/// kind of aperture.
 void check_impulse(const Impulse& impulse);
 
 /// Formats the settings as the argument of `--impulse`.

@@ -14,8 +14,7 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-/// Returns the number of chords that approximate an arc of `angle` (rad) and `radius` with an error of at
-/// most `tolerance`.
+/// Number of chords that approximate an arc of `angle` (rad) within `tolerance`.
 int chords_for(double angle, double radius, double tolerance) {
     const double cosine = std::clamp(1 - tolerance / radius, -1.0, 1.0);
     const double widest = 2 * std::acos(cosine);
@@ -46,8 +45,7 @@ Outline blades_outline(int blades, double rotation_deg, double roundness, double
             out.push_back(centre_of_side - half_side * along);
             continue;
         }
-        // Replaces the side by an arc through its two corners. The sagitta is the height of the arc above the
-        // side.
+        // Replaces the side by an arc through its corners. The sagitta is the arc's height above the side.
         const double radius = (half_side * half_side + sagitta * sagitta) / (2 * sagitta);
         const double half_angle = std::asin(std::min(1.0, half_side / radius));
         const int n = chords_for(2 * half_angle, radius, tolerance);

@@ -14,19 +14,17 @@ struct Piece {
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns the fraction of the pixel [x, x + 1) that lies to the right of the piece, averaged over the
-/// piece's height.
+/// Returns the fraction of the pixel [x, x + 1) to the right of the piece, averaged over the piece's height.
 double right_of(const Piece& p, double x) {
-    // The fraction of the pixel to the right of `at` is clamp(x + 1 - at, 0, 1). `integral` is the
-    // antiderivative of this function of `at`.
+    // The fraction to the right of a line at x = `at` is clamp(x + 1 - at, 0, 1). `integral` is its
+    // antiderivative.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // For an almost vertical piece, the value at its midpoint replaces the mean, whose formula would divide
-    // by nearly 0. The error is proportional to the square of the piece's width.
+    // Almost vertical pieces use the value at the midpoint, because the mean would divide by nearly 0.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -46,8 +44,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // The corners are in clockwise order, with y pointing down. A side that runs upwards is therefore on
-        // the left of the polygon, and gets the sign +1.
+        // Corners are in clockwise order, with y pointing down. So a side that runs upwards is on the
+        // polygon's left, and gets +1.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -111,9 +109,7 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // `edge_share` contains only the partly covered pixels at both ends of the row. Each side of the polygon
-    // adds the area to its right: a part of each pixel that it crosses, and its full height in all pixels
-    // further right.
+    // Computes the partly covered pixels at both ends of the row. Each side adds the area to its right.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

@@ -1,5 +1,5 @@
-// Computes exactly how much of each pixel a convex polygon covers. This coverage is the geometric impulse
-// response of an aperture that is not round.
+// Computes exactly how much of each pixel a convex polygon covers: the impulse response of an aperture that
+// is not round.
 #pragma once
 
 #include "lens/ellipse_coverage.h"
@@ -7,12 +7,14 @@
 
 namespace postlens {
 
-/// Computes how much of each pixel the polygon covers. Rows can be computed in any order, and row y covers
-/// [y, y + 1). Completely covered pixels are not visited, so the time for all rows is proportional to the
-/// length of the outline. Values are fractions of the polygon's area, so they add up to 1 over all pixels.
+/// Computes how much of each pixel a polygon covers, row by row in any order. Row y covers heights [y, y +
+/// 1).
+///
+/// Values are fractions of the polygon's area. The time depends only on the length of the outline, because
+/// completely covered pixels are not visited.
 class OutlineRows {
   public:
-    /// `outline` is in px. Its corners may have either orientation, and its area must be at least 1e-12 px^2.
+    /// `outline` is in px, in either orientation. Its area must be at least 1e-12 px^2.
     explicit OutlineRows(Outline outline);
 
     /// The polygon touches the rows y_begin() <= y < y_end().
@@ -24,8 +26,8 @@ class OutlineRows {
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. `sign` is +1 for a side on the left of the polygon, which adds the area to its
-    /// right, and -1 for a side on the right, which subtracts that area.
+    /// A side of the polygon. `sign` is +1 for the polygon's left sides, which add the area to their right,
+    /// and -1 for its right sides.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

@@ -1,4 +1,4 @@
-// An impulse response on the pixel grid, which is the image of a point light source.
+// An impulse response on the pixel grid: the image of a point light source.
 #pragma once
 
 #include <cstddef>

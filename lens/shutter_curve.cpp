@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t most_points = 1'000'000;
 
-// Reads a line of exactly two numbers. Returns false if the line is empty or contains only a comment.
+// Reads a line of two numbers. Returns false for an empty line or a comment.
 bool parse_line(std::string_view line, const std::string& where, std::pair<double, double>& out) {
     line = line.substr(0, line.find('#'));
     double values[2] = {};
@@ -119,9 +119,10 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Between the knots a and b, the density is linear. In the time x after a, the light grows by a.density x
-    // + (b.density - a.density) x^2 / (2 width). Solves for the x at which this is `missing`. Of the two
-    // solutions, x is the one that is 0 for missing = 0.
+    // Between the knots a and b, the density is linear. Finds the time x after a at which the light has grown
+    // by `missing`:
+    //
+    //     a.density x + (b.density - a.density) x^2 / (2 width) = missing
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));

@@ -7,8 +7,7 @@
 namespace postlens {
 namespace {
 
-/// Returns 1/s - 1/z, in 1/m. The result is precise even if s and z are nearly equal, and defined if one of
-/// them is infinite.
+/// Returns 1/s - 1/z, in 1/m. It stays precise if s and z are nearly equal, and one of them may be infinite.
 double inverse_difference_per_m(double s_m, double z_m) {
     if (std::isfinite(s_m) && std::isfinite(z_m)) return (z_m - s_m) / z_m / s_m;
     return 1 / s_m - 1 / z_m;
@@ -21,8 +20,7 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // Evaluates F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], with numerator and denominator divided by
-    // z s, so that z and s may be infinite.
+    // F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], divided by z s so that z and s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }
@@ -30,8 +28,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q is the hyperfocal distance minus the focal length. If coc_limit_mm is 0, q is infinite and only the
-    // focus distance s is sharp. The formulas below only divide by q, so they remain defined.
+    // Hyperfocal distance minus focal length. It is infinite for coc_limit_mm = 0, so the formulas below only
+    // divide by it.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

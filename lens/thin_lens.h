@@ -1,5 +1,5 @@
-// The thin lens, with its image distance, circle of confusion and depth of field. Lengths of the lens are in
-// mm, and distances in the scene are in m.
+// The thin lens: image distance, circle of confusion and depth of field. Lens lengths are in mm, scene
+// distances in m.
 #pragma once
 
 #include <limits>
@@ -7,21 +7,21 @@
 
 namespace postlens {
 
-/// A thin lens of focal length F and f-number n. Its aperture has the diameter F / n.
+/// A thin lens of focal length F and f-number n. The aperture's diameter is F / n.
 struct ThinLens {
     double focal_length_mm = 50;  ///< > 0
     double f_number = 8;          ///< > 0; infinity is a pinhole
     [[nodiscard]] double aperture_diameter_mm() const { return focal_length_mm / f_number; }
 };
 
-/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1], for focus distance s and focal
-/// length F. V is F for infinite s, and infinite or negative for s <= F.
+/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1]. V is F for infinite s, and
+/// infinite or negative for s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Returns the signed diameter of the circle of confusion, in mm, on a film that is sharp at focus distance
-/// s. For a point at depth z, the diameter is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3]. It is
-/// positive for points behind the focus, and negative for points in front. It is finite for every depth_m >
-/// 0, including infinity. Requires s > F.
+/// Returns the signed diameter of the circle of confusion, in mm, for a lens focused at s > F. For a point at
+/// depth z > 0, it is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3].
+///
+/// It is positive behind the focus, negative in front of it, and finite even for infinite depth.
 [[nodiscard]] double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m);
 
 /// The depths between which the circle of confusion is at most `coc_limit_mm` wide.

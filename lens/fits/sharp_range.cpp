@@ -23,8 +23,7 @@ SharpLens solve(double focal_length_mm, double s_m, const SharpRangeRequest& req
                  stretch = 1 / (1 - F_m / s_m);  // V/F, V: film distance
     lens.f_number =
         std::max(focal_length_mm * F_m * inverse_range / (2 * request.coc_limit_mm) * stretch, fastest);
-    // Diameter of the Airy disc on a film at distance V: 2 * 1.2197 lambda V / D, where D is the aperture
-    // diameter.
+    // The Airy disc's diameter is 2.44 lambda V / D, with film distance V and aperture diameter D.
     constexpr double airy_per_wave = 2.4393397823, mm_per_nm = 1e-6;
     lens.largest_f_number =
         request.coc_limit_mm / (airy_per_wave * request.wavelength_nm * mm_per_nm * stretch);

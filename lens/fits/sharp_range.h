@@ -1,4 +1,4 @@
-// Finds the focus distance and the range of f-numbers at which everything between two depths is sharp.
+// Finds the focus distance and f-numbers for which everything between two depths is sharp.
 #pragma once
 
 #include <optional>

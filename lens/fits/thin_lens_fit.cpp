@@ -13,16 +13,17 @@
 namespace postlens {
 namespace {
 
-/// Focal length that is assumed if neither the focal length nor the f-number is known: 50 mm, or half the
-/// focus distance if that is shorter. A lens cannot focus nearer than its focal length.
+/// Focal length that is assumed if only the circles of confusion are known. It is at most half the focus
+/// distance, because a lens cannot focus nearer than its focal length.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual of one measurement: c - K |q - 1/z|, where c is the diameter of the circle of confusion of a
-/// point at depth z. K is F^2 / (n (1 - F q)) for focal length F, f-number n and inverse focus distance q.
-/// The fit varies ln F, ln n and q.
+/// Residual of one measured circle of confusion (CoC): c - K |q - 1/z|. c is the CoC diameter, z the depth
+/// and q the inverse focus distance.
+///
+/// K is F^2 / (n (1 - F q)) for focal length F and f-number n. The fit varies ln F, ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -37,9 +38,8 @@ struct Difference {
     }
 };
 
-/// Fit of c = K |q - x| to measured circles of confusion, where c is the diameter, x the inverse depth and q
-/// the unknown inverse focus distance. Every division of the points into those behind and those in front of
-/// the focus is tried. Each gives a straight line, and the line with the smallest error is used.
+/// Fits c = K |q - x| to measured circles of confusion. c is the diameter, x the inverse depth and q the
+/// inverse focus distance.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -48,9 +48,10 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
+    // Tries every division of the points into those behind and in front of the focus. Keeps the line with the
+    // smallest error.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // If the diameter c of the circle of confusion is positive behind the focus and negative in front of
-        // it, it is linear in the inverse depth x: c = K (q - x).
+        // With a negative sign in front of the focus, c becomes linear in the inverse depth: c = K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -93,9 +94,8 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// Returns the condition number of the Jacobian with respect to the fitted parameters, whose indices are in
-/// `free`. Its columns are scaled to length 1, so that the parameters' units do not matter. `weak` receives
-/// the direction in parameter space that the data determine least precisely.
+/// Returns the condition number of the Jacobian for the fitted parameters `free`. `weak` receives the
+/// parameter direction that the data determine least precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
@@ -106,6 +106,7 @@ double condition_of(const std::vector<std::array<double, 3>>& rows, const std::v
         }
     }
     for (Eigen::Index k = 0; k < J.cols(); ++k) {
+        // Columns are scaled to length 1, so that the parameters' units do not matter.
         const double norm = J.col(k).norm();
         if (norm > 0) J.col(k) /= norm;
     }
@@ -125,8 +126,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // The data determine only K = F^2 / (n (1 - F q)) and the inverse focus distance q. A known focal length
-    // F therefore determines the f-number n, and a known n determines F.
+    // The data determine only K = F^2 / (n (1 - F q)) and q. So a known focal length F determines the
+    // f-number n, and vice versa.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;
@@ -213,8 +214,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         return out;
     }
     if (!known) return out;
-    // Covariance of the fitted parameters: the variance of the residuals times (J^T J)^-1, where J is the
-    // Jacobian.
+    // Covariance of the fitted parameters: residual variance times (J^T J)^-1, with the Jacobian J.
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
     for (Eigen::Index i = 0; i < J.rows(); ++i) {
         for (Eigen::Index k = 0; k < J.cols(); ++k) {

@@ -9,23 +9,22 @@
 
 namespace postlens {
 
-/// The measured depth of a scene point, and the measured diameter of its circle of confusion (CoC) on the
-/// film.
+/// A scene point's measured depth and the diameter of its circle of confusion (CoC) on the film.
 struct CocPair {
     double distance_m = 0;  ///< > 0, infinity allowed
     double coc_mm = 0;      ///< >= 0
 };
 
-/// Reads lines of the form "distance_m,coc_mm". The first line may be a heading with exactly these words.
-/// Empty lines and lines that begin with # are ignored. Throws Error(invalid_input) with a message
-/// "FILE:LINE: ..".
+/// Reads lines of the form "distance_m,coc_mm". The first line may be this heading. Empty lines and lines
+/// that begin with # are ignored.
+///
+/// Throws Error(invalid_input) with a message "FILE:LINE: ..".
 [[nodiscard]] std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path);
 
 struct FittedNumber {
     double value = 0;
-    /// Standard error of `value`, estimated from the residuals of the fit. Absent if `value` comes from
-    /// ThinLensFitRequest, if the data do not determine it, or if there are no more measurements than
-    /// parameters.
+    /// Standard error of `value`, estimated from the residuals. Absent if `value` was given, if the data do
+    /// not determine it, or if there are too few measurements.
     std::optional<double> standard_error;
 };
 

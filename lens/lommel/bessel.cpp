@@ -7,8 +7,8 @@
 namespace postlens {
 
 int bessel_last_order(double v) {
-    // For n > v, J_n(v) decreases like the Airy function Ai(x) with x = 2^(1/3) (n - v) / v^(1/3). At the
-    // returned order, x is at least 15, and Ai(15) is 5e-19. For small v, J_n decreases even faster.
+    // For n > v, J_n(v) decreases like the Airy function Ai(x) with x = 2^(1/3) (n - v) / v^(1/3). Here x is
+    // at least 15, and Ai(15) is 5e-19.
     return static_cast<int>(v + 12 * std::cbrt(v)) + 30;
 }
 
@@ -19,9 +19,7 @@ std::vector<double> bessel_orders(double v) {
         j[0] = 1;
         return j;
     }
-    // The downward recurrence starts with 1e-250 and grows by the factor n! (2/v)^n, where n is the last
-    // order. It would overflow for tiny v. For v below 1e-3, the first two terms of the power series are used
-    // instead.
+    // For tiny v, the downward recurrence would overflow. Below 1e-3, two terms of the power series suffice.
     if (v < 1e-3) {
         double term = 1;
         for (int n = 0; n <= last; ++n) {

@@ -12,16 +12,16 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// If |u| (the defocus) is below this value, the series for the inside of the geometric disc (v < |u|) loses
-/// precision. Its terms nearly cancel, and their sum is then divided by u^2.
+/// Below this defocus |u|, the series for v < |u| loses precision: its terms nearly cancel, and are divided
+/// by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
     return x * x;
 }
 
-/// Sums (-1)^s ratio^(first + 2 s) J_(first + 2 s) over s = 0, 1, .. The sum is Lommel's function U_first for
-/// ratio = u / v, and V_first for ratio = v / u [born1999, 8.8, eqs. 8 and 16].
+/// Sums (-1)^s ratio^n J_n over n = first + 2 s, for s = 0, 1, .. This is Lommel's function U_first for ratio
+/// u / v, and V_first for v / u [born1999, 8.8, eqs. 8 and 16].
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
     const std::size_t last = first + (j.size() - 1 - first) / 2 * 2;
@@ -55,9 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase of the integrand changes by at most u + v radians over the pupil radius p (0 to 1). Each
-    // panel of the quadrature spans at most half a fringe (pi), which 16 nodes integrate up to rounding
-    // error.
+    // The phase changes by at most u + v radians over the pupil. 16 nodes integrate half a fringe (pi) up to
+    // rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -79,8 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), where U1 = x odd and U2 = x^2 even are Lommel's functions
-        // for x = u/v. The factor x cancels 1/u, so u may be 0 (the Airy pattern).
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with Lommel's functions U1 = x odd and U2 = x^2 even. The
+        // factor x cancels 1/u, so u may be 0 (the Airy pattern).
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -101,8 +100,7 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // [born1999, 8.8, eq. 29], where Y_n is the sum of (-1)^s (n + 2 s) (v/u)^(n + 2 s) J_(n + 2 s) over s =
-    // 0, 1, .. The loop adds the terms of odd order to Y1, and those of even order to Y2.
+    // [born1999, 8.8, eq. 29]. Y1 sums the terms of odd order, and Y2 those of even order.
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

@@ -8,24 +8,25 @@
 
 namespace postlens {
 
-/// Returns the intensity I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2 at defocus u and radius v
-/// [born1999, 8.8.1]. I(0, 0), the peak in focus, is 1. I is even in u and v. Accepts any finite u and v, and
-/// needs O(v) steps. For |u| up to 5000, the absolute error is below 1e-12, and the error relative to the
-/// peak of the response is below 1e-9.
+/// Returns the intensity at defocus u and radius v [born1999, 8.8.1]. It is 1 at the peak in focus, and even
+/// in u and v:
+///
+///     I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2
+///
+/// Accepts any finite u and v, and needs O(v) steps. For |u| up to 5000, the absolute error is below 1e-12.
+/// The error relative to the response's peak is below 1e-9.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
-/// Returns the same intensity as `lommel_intensity`, by Gauss-Legendre quadrature over panels of at most half
-/// a fringe. Needs O(u + v) evaluations of a Bessel function. `lommel_intensity` calls this function for
-/// small u, and its tests use it as a reference.
+/// Returns the intensity of `lommel_intensity` by Gauss-Legendre quadrature, in O(u + v) steps. Used for
+/// small u and as a reference for tests.
 [[nodiscard]] double intensity_by_quadrature(double u, double v);
 
-/// Returns the fraction of the energy within radius v at defocus u: (1/2) int_0^v I(u, v') v' dv' [born1999,
-/// 8.8.3]. It is 1 for infinite v. Needs O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
+/// Returns the fraction of the energy within radius v: (1/2) int_0^v I(u, v') v' dv' [born1999, 8.8.3]. Needs
+/// O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
-/// Returns the fraction of the energy beyond radius v at defocus u, averaged over fringes: (2 / pi) v / (v^2
-/// - u^2). The formula follows from the first terms of Lommel's functions for large v, with cos^2 replaced by
-/// its mean 1/2.
+/// Returns the energy beyond radius v, averaged over fringes: (2 / pi) v / (v^2 - u^2). This uses the first
+/// terms of Lommel's functions for large v.
 ///
 /// Valid only well outside the geometric disc: v - |u| must exceed both 8 sqrt(|u|) and 30.
 [[nodiscard]] double energy_beyond(double u, double v);

@@ -14,17 +14,17 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two power series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and
-/// u/v.
-/// - `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
-/// - `even` is the sum of (-1)^s x^(2s) J_(2s) over s = 1, 2, .. The term for s = 0, which is J_0, is left
-///   out, so that `even` stays precise for small x.
+/// Two series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and u/v.
+/// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
+/// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, .. It omits J_0, and so stays precise for small x.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series of SeriesLanes by upward recurrence, which is stable for orders n < v. The terms t_n = x^n
-/// J_n satisfy t_(n+1) = n c t_n - x^2 t_(n-1), where c = 2 x / v.
+/// Sums the series of SeriesLanes by upward recurrence, which is stable for orders n < v. The terms are t_n =
+/// x^n J_n:
+///
+///     t_(n+1) = n c t_n - x^2 t_(n-1)
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {
@@ -37,7 +37,7 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Signs alternate every two orders: terms 2 and 3 are subtracted, terms 4 and 5 are added, and so on.
+    // Signs alternate in pairs: terms 2 and 3 are subtracted, 4 and 5 are added.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -55,8 +55,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Sums the series of SeriesLanes by the downward recurrence J_(n-1) = (2 n / v) J_n - J_(n+1) (Miller's
-/// algorithm), which is stable for any number of terms. The terms are summed by Horner's rule.
+/// Sums the series of SeriesLanes by downward recurrence (Miller's algorithm) and Horner's rule. It is stable
+/// for any number of terms.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};
@@ -104,8 +104,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first points, at most a few dozen, are computed by the slow lommel_intensity. For these points, the
-    // fast series would divide by zero (v = 0) or lose precision (small u and v <= u).
+    // The first points use the slow lommel_intensity. The series would divide by zero (v = 0) or lose
+    // precision (small u and v <= u).
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

@@ -1,4 +1,4 @@
-// Computes I(u, v), the intensity near the focus, by Lommel's functions for many equidistant v at once.
+// Computes I(u, v), the intensity near the focus, for many equidistant v at once.
 #pragma once
 
 #include <span>
@@ -7,10 +7,11 @@
 
 namespace postlens {
 
-/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. `grid` must have at
-/// least as many entries as `intensity`. Terms below 1e-11 of the mean intensity are omitted. Results are
-/// bit-identical on all machines whose libraries compute the same sine and Bessel functions.
-/// `lommel_intensity` is the slow reference.
+/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. `grid` needs as
+/// many entries as `intensity`.
+///
+/// Terms below 1e-11 of the mean intensity are omitted. Results are bit-identical on all machines with the
+/// same sine and Bessel functions. `lommel_intensity` is the slow reference.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);
 
 }  // namespace postlens

@@ -14,22 +14,21 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Returns the energy that flows through a pixel border near the centre. Every fringe is resolved. The border
-/// is the segment from y0 to y1 on the line at distance `x` from the centre.
+/// Returns the energy that flows through a pixel border near the centre. The border is the segment from y0 to
+/// y1 on the line at distance `x` from the centre.
 ///
-/// Let L be the encircled energy, which is the energy within a radius r. The flow is the integral of L x / (2
-/// pi r^2) over y. The substitution y = x sinh t, r = x cosh t turns it into the integral of L / (2 pi cosh
-/// t) over t. Equal steps of t are short steps of r where the border is close to the centre.
+/// L is the encircled energy, the energy within a radius r. The flow is the integral of L x / (2 pi r^2) over
+/// y. With y = x sinh t, it becomes the integral of L / (2 pi cosh t) over t, whose steps are short where the
+/// border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // If |x| is below this value, the flow is negligible. Near the centre, L is proportional to r^2, so the
-    // flow is proportional to x.
+    // Below this |x|, the flow is negligible. It is proportional to x, because L is proportional to r^2 near
+    // the centre.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // A panel of the quadrature spans at most 6 units of the optical radius v, so that its 16 nodes resolve
-    // the fringes. The limit of 64 panels takes effect only where a border crosses over 100 fringes, which
-    // need not be resolved.
+    // Each panel spans at most 6 units of the optical radius v, so its 16 nodes resolve the fringes. Beyond
+    // 64 panels the fringes need not be resolved.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -44,16 +43,14 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, below which diffraction fringes are averaged out: 70 % of the distance between
-/// quadrature nodes, which resolve wider fringes. For fringes of about this width, 70 % gives the smallest
-/// error.
+/// Fringes narrower than this width, in px, are averaged out. 70 % of the distance between quadrature nodes
+/// gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the distance r from the centre, where L is the encircled energy, averaged
-/// over fine fringes. L / (2 pi r) is the radial energy flow (see fill_pixel_energy), and x/r its part along
-/// x. A table value times x is therefore the flow per px of a border at constant x.
+/// Table of L / (2 pi r^2) over the radius r. L is the encircled energy, averaged over fine fringes. A value
+/// times x is the flow per px through a border at constant x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -90,8 +87,8 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // x is constant along a border, so the energy flow per unit length depends only on the distance r
-        // from the centre. It is integrated by two-point Gauss quadrature.
+        // Along a border, the flow per px depends only on the radius r. Two-point Gauss quadrature integrates
+        // it.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -110,9 +107,8 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes the energy that flows through each pixel border. If the response is centred on a corner or the
-/// centre of a pixel, the pixel grid is symmetric about that point. The flow is then computed for one
-/// quadrant in advance and reused for the other quadrants.
+/// Computes the energy that flows through each pixel border. If the response is centred on a pixel's corner
+/// or centre, one quadrant is computed and reused for the others.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -129,8 +125,8 @@ class Borders {
             }
         });
     }
-    /// Returns the energy that flows in the direction of x through the pixel border from (x, y0) to (x, y0 +
-    /// 1). By the divergence theorem, the energy of a pixel is the sum of its outflows.
+    /// Returns the energy that flows along x through the border from (x, y0) to (x, y0 + 1). A pixel's energy
+    /// is the sum of its outflows (divergence theorem).
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -154,9 +150,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The energy flow is computed in a square around the grid, so the profile must extend to the corners of
-    // this square, and at least to near_px, where FlowTable begins. 4 smoothing_px is a margin for the
-    // averaging of fringes.
+    // The flow is computed in a square around the grid, so the profile must reach its corners, and at least
+    // near_px. The averaging of fringes needs 4 smoothing_px more.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

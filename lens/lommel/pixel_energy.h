@@ -1,4 +1,4 @@
-// Computes the energy in each square pixel from the encircled energy (the energy within each radius).
+// Computes the energy in each pixel from the encircled energy, which is the energy within each radius.
 #pragma once
 
 #include "lens/lommel/radial_profile.h"
@@ -6,8 +6,7 @@
 
 namespace postlens {
 
-/// Sampling density along pixel borders. Sampling finer than the defaults hardly changes the results
-/// (docs/diffraction.md).
+/// Sampling density along pixel borders. Finer sampling hardly changes the results (docs/diffraction.md).
 struct PixelEnergySettings {
     int nodes = 16;      ///< quadrature nodes along a pixel border, per px of radius
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
@@ -25,8 +24,7 @@ struct PixelEnergySettings {
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 
-/// Returns the radius, in px, up to which `fill_pixel_energy` reads the radial profile. The profile must
-/// extend at least this far.
+/// Returns the radius, in px, up to which `fill_pixel_energy` reads the radial profile.
 [[nodiscard]] double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                               const PixelEnergySettings& settings);
 

@@ -10,8 +10,7 @@ std::array<GaussNode, 16> make_nodes() {
     constexpr int n = 16;
     std::array<GaussNode, n> nodes;
     for (int i = 0; i < n; ++i) {
-        // An estimate of the i-th root [abramowitz1972, 22.16.6]. From here, Newton's method converges
-        // quadratically.
+        // Estimate of the i-th root [abramowitz1972, 22.16.6], from which Newton's method converges.
         double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
         double slope = 0;
         for (int step = 0; step < 6; ++step) {

@@ -10,8 +10,7 @@ struct GaussNode {
     double weight = 0;  ///< weights of all nodes add up to 1
 };
 
-/// Returns the 16 nodes and weights, which integrate polynomials up to degree 31 exactly. They are computed
-/// by Newton's method on the Legendre polynomial.
+/// Returns the 16 nodes and weights, which integrate polynomials up to degree 31 exactly.
 [[nodiscard]] const std::array<GaussNode, 16>& gauss_legendre_16();
 
 }  // namespace postlens

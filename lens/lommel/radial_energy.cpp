@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Weights that integrate dE/dv over one step, from the eight nearest values. They are exact for the
-/// polynomial through these values. They are symmetric, so only four are stored.
+/// Weights that integrate dE/dv over one step, from the polynomial through the eight nearest values. They are
+/// symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -19,8 +19,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small defocus |u|, a few fringes contain all of the energy, so the steps must be fine. At large |u|,
-    // each fringe contains at most 1/u of the energy, so coarser steps suffice.
+    // At small defocus |u|, a few fringes hold all energy and need fine steps. At large |u|, each fringe
+    // holds at most 1/u of it.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -39,7 +39,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // dE/dv = I v / 2 is an odd function of v, so its values at negative v follow by symmetry.
+    // dE/dv = I v / 2 is an odd function of v, which gives its values at negative v.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;
@@ -51,8 +51,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
             sum += middle_weights[static_cast<std::size_t>(m)] * (slope(k - m) + slope(k + 1 + m));
         }
         within_[i + 1] = within_[i] + step_ * sum;
-        // Integral, over the step, of the cubic Hermite polynomial with the known values and slopes at both
-        // ends.
+        // Integrates the cubic Hermite polynomial over the step.
         within_sum_[i + 1] = within_sum_[i] + step_ * (within_[i] + within_[i + 1]) / 2 +
                              step_ * step_ * (slope(k) - slope(k + 1)) / 12;
     }
@@ -75,9 +74,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Along the step, t runs from 0 to 1. `within` is interpolated by the cubic Hermite polynomial w0 + s0 t
-    // + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3. w0 is its value at t = 0, s0 is slope0, s1 is slope1 and
-    // r is `rise`. The result contains the integral of this polynomial from 0 to t.
+    // Integrates the cubic Hermite polynomial of `within` from 0 to t:
+    //
+    //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

@@ -1,4 +1,4 @@
-// A table of the energy of an impulse response within each radius, for one wavelength.
+// A table of an impulse response's energy within each radius, for one wavelength.
 #pragma once
 
 #include <span>
@@ -9,8 +9,9 @@
 namespace postlens {
 
 /// The impulse response of a circular aperture at defocus u, tabulated over the optical radius v in [0,
-/// v_end]. The steps resolve every fringe, because the intensity I(u, v) contains no angular frequency above
-/// 2 along v. I(0, 0) is 1. A ring of width dv contains the energy dE = I v dv / 2. The total energy is 1.
+/// v_end]. The steps resolve every fringe.
+///
+/// A ring of width dv contains the energy dE = I(u, v) v dv / 2. I(0, 0) is 1, and the total energy is 1.
 class RadialEnergy {
   public:
     /// Returns the step of v in a table for defocus u: 1/8 or 1/2.
@@ -18,8 +19,8 @@ class RadialEnergy {
     /// Returns the number of entries that a BesselGrid needs for a table up to v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// Computes the table up to v_end. `grid` contains the Bessel functions at the step `step_for(u)`, with
-    /// at least `grid_count(step_for(u), v_end)` entries.
+    /// Computes the table up to v_end. `grid` needs the step `step_for(u)` and at least
+    /// `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Makes its own tables of Bessel functions.
@@ -28,10 +29,10 @@ class RadialEnergy {
     [[nodiscard]] double u() const { return u_; }
     [[nodiscard]] double v_end() const { return step_ * static_cast<double>(within_.size() - 1); }
 
-    /// Returns the fraction of the energy within radius v, for 0 <= v <= v_end. The error is below 2e-7.
+    /// Returns the fraction of the energy within radius v <= v_end. The error is below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of `within` from 0 to v. The difference of two integrals gives the mean of
-    /// `within` between two radii, which averages out fringes narrower than this interval.
+    /// Returns the integral of `within` from 0 to v. Differences of it give means, which average out narrow
+    /// fringes.
     [[nodiscard]] double within_integral(double v) const;
     /// I(u, v) at v = i step().
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }

@@ -35,9 +35,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Estimates `within` at v from its means over three adjacent intervals of width w, which average out
-        // narrower fringes. The weights 26/24 (middle mean) and -1/24 (outer means) are exact for cubic
-        // polynomials. For other smooth functions, the error is 3/640 of the fourth difference.
+        // Estimates `within` from its means over three adjacent intervals of width w, which average out
+        // narrower fringes. The weights -1/24, 26/24, -1/24 are exact for cubics.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -46,9 +45,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // As in smoothed_within, `within` at a radius is estimated from three adjacent intervals of width
-    // width_px. They end at 0.5 width_px and 1.5 width_px on both sides of the radius. `half` and `three` are
-    // these distances in steps of the row.
+    // Half a width and three half widths, in steps of the row. The three intervals of smoothed_within end
+    // there.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {
@@ -75,8 +73,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A ring of width dr has the area 2 pi r dr and the energy I v dv / 2, where v = r v_per_px. Its energy
-    // per area is therefore I v_per_px^2 / (4 pi).
+    // A ring of width dr has the area 2 pi r dr and the energy I v dv / 2, with v = r v_per_px. The ratio is
+    // I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

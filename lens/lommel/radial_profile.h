@@ -1,5 +1,4 @@
-// Encircled energy (the energy within a radius) of a mixture of wavelengths, as a function of the radius in
-// px.
+// Encircled energy (the energy within a radius) of a mixture of wavelengths.
 #pragma once
 
 #include <vector>
@@ -8,7 +7,7 @@
 
 namespace postlens {
 
-/// The weighted sum of the responses of several wavelengths, which all have the same centre.
+/// The weighted sum of the concentric responses of several wavelengths.
 class RadialProfile {
   public:
     struct Part {
@@ -18,22 +17,23 @@ class RadialProfile {
     };
     explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-    /// Returns the radius, in px, up to which the tables of all parts extend.
+    /// Radius, in px, up to which all tables extend.
     [[nodiscard]] double end_px() const;
     /// Largest v_per_px of all parts.
     [[nodiscard]] double v_per_px() const;
 
-    /// Returns the fraction of the energy within a radius. The radius must be between 0 and end_px().
+    /// Returns the fraction of the energy within a radius between 0 and end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// Returns `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, the
-    /// averaging error is of fourth order in `width_px`. The radius must be at least 3/2 widths away from 0
-    /// and from end_px().
+    /// Returns `within`, averaged over fringes finer than `width_px`. The averaging error is of fourth order
+    /// in `width_px`.
+    ///
+    /// The radius must be at least 3/2 widths away from 0 and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns `smoothed_within` at `count` radii: begin_px, begin_px + width_px / row_steps, and so on. This
-    /// is faster than single calls, because each integral of `within` is used for four radii.
+    /// Returns `smoothed_within` at `count` radii: begin_px, begin_px + width_px / row_steps, .. This is
+    /// faster than single calls.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
-    /// Returns the energy per px^2 at a radius, computed from the closed form of the intensity.
+    /// Returns the energy per px^2 at a radius, from the closed form of the intensity.
     [[nodiscard]] double density(double radius_px) const;
 
   private:

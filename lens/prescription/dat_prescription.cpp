@@ -1,5 +1,5 @@
-// Reads the lens tables of pbrt. Each line describes one surface as "radius thickness index diameter". The
-// lines are ordered from the front of the lens to the film.
+// Reads the lens tables of pbrt. Each line describes one surface, from the front of the lens to the film:
+// "radius thickness index diameter".
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,9 +11,8 @@ namespace postlens {
 
 namespace {
 
-/// Decides which rows with radius 0 are planes. Normally, such a row is the aperture stop, but some files
-/// also write planes with radius 0. If exactly one of several such rows has the same medium on both sides, it
-/// is the stop, and the others are planes.
+/// Decides which rows with radius 0 are planes. Normally, radius 0 marks the aperture stop, but some files
+/// also write planes this way.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
@@ -25,6 +24,7 @@ void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
         ++rows;
         if (!refracts(i)) ++even;
     }
+    // The one row with the same medium on both sides is the stop. The others are planes.
     if (rows < 2 || even != 1) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i)
         surfaces[i].is_stop = surfaces[i].is_stop && !refracts(i);
@@ -49,7 +49,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
             }
             continue;
         }
-        // A line with a single number in front of the table states the focal length.
+        // A single number in front of the table is the focal length.
         if (words.size() == 1 && lens.surfaces.empty() && !lens.stated_focal_length_mm) {
             lens.stated_focal_length_mm = number_in(file, line.number, words[0], "focal length");
             continue;
@@ -72,7 +72,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop may have index 0. The medium in front of the stop then continues behind it.
+        // A stop may have index 0. The medium in front of it then continues.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

@@ -9,9 +9,8 @@
 namespace postlens {
 namespace {
 
-// Ray transfer matrix of several surfaces. A ray has the height y and the value nu, its slope times the
-// refractive index. The matrix maps the ray in front of the surfaces to the ray behind them: (y, nu) -> (a y
-// + b nu, c y + d nu).
+// Ray transfer matrix of several surfaces: (y, nu) -> (a y + b nu, c y + d nu). y is the ray's height, and nu
+// its slope times the refractive index.
 struct Matrix {
     double a = 1, b = 0, c = 0, d = 1;
     void refract(double power) {
@@ -38,8 +37,7 @@ double checked_index(const Prescription& lens, std::size_t i, double wavelength_
     return n;
 }
 
-// Returns the transfer matrix from the vertex plane of surface `begin`, before refraction there, to the
-// vertex plane of surface `end - 1`, after refraction there.
+// Returns the transfer matrix of the surfaces `begin` to `end - 1`, including the refraction at both.
 Matrix between(const Prescription& lens, double wavelength_nm, std::size_t begin, std::size_t end) {
     Matrix m;
     double n = begin == 0 ? 1 : checked_index(lens, begin - 1, wavelength_nm);
@@ -61,8 +59,7 @@ FirstOrder first_order(const Prescription& lens) {
 FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     const std::size_t count = lens.surfaces.size(), stop = lens.stop();
     const Matrix all = between(lens, wavelength_nm, 0, count);
-    // The lens counts as afocal if its power times its length is below 1e-9. In this test, the length is at
-    // least 1e-3 mm.
+    // The lens is afocal if its power times its length is below 1e-9.
     const double scale_mm = std::max(lens.length_mm(), 1e-3);
     if (!(std::abs(all.c) * scale_mm > 1e-9) || !std::isfinite(all.c)) {
         fail(ExitCode::invalid_input,
@@ -77,16 +74,15 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Transfer matrix from the first surface to the plane of the stop. If the stop is a refracting surface,
-    // the matrix `back` below contains its refraction.
+    // Transfer matrix from the first surface to the stop's plane. `back` contains a refraction at the stop
+    // itself.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A ray with height y at the first surface, and with nu (its slope times the refractive index), meets the
-    // stop at the height a y + b nu = a (y + b/a nu). Seen from object space, the stop therefore appears at
-    // distance b/a behind the first vertex and 1/a times as large. This image is the entrance pupil.
+    // A ray (y, nu) at the first surface meets the stop at the height a y + b nu = a (y + b/a nu). So the
+    // entrance pupil, the stop's image, lies at b/a and is 1/a times as large.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -107,8 +103,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // Let nu be the slope of a ray times the refractive index. A ray from the object point on the axis has
-    // the height y = -z nu at the first vertex. For an object at infinity, nu is 0.
+    // A ray from the object point has the height y = -z nu at the first vertex. For an object at infinity, nu
+    // is 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

@@ -5,14 +5,14 @@
 
 namespace postlens {
 
-/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. In
-/// object space (in front of the lens), z is measured from the vertex of the first surface. In image space
-/// (behind the lens), z is measured from the vertex of the last surface. n' is the refractive index behind
-/// the lens.
+/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. n'
+/// is the refractive index behind the lens.
+///
+/// In object space, z is measured from the first vertex. In image space, it is measured from the last vertex.
 struct FirstOrder {
-    /// Equivalent focal length: 1 / power, negative for a diverging lens. An object at infinity, at the small
-    /// angle t (rad) from the axis, has its image at the height efl t. This holds for every refractive index
-    /// n' behind the lens, whereas the rear focal length is n' efl.
+    /// Equivalent focal length: 1 / power, negative for a diverging lens. The rear focal length is n' efl.
+    ///
+    /// An object at infinity, at a small angle t (rad) from the axis, has its image at the height efl t.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens
@@ -27,9 +27,10 @@ struct FirstOrder {
     double film_distance_mm = 0;      ///< from the last vertex; bfl if the prescription gives none
 };
 
-/// Computes the properties at the given wavelength, or else at the prescription's wavelength. Throws
-/// Error(invalid_input) if the lens is afocal (power times length below 1e-9), or if a refractive index at
-/// that wavelength is outside [1, 5].
+/// Computes the properties at a wavelength, by default the prescription's own.
+///
+/// Throws Error(invalid_input) if the lens is afocal (power times length below 1e-9), or if a refractive
+/// index is outside [1, 5].
 [[nodiscard]] FirstOrder first_order(const Prescription& lens);
 [[nodiscard]] FirstOrder first_order(const Prescription& lens, double wavelength_nm);
 
@@ -38,13 +39,13 @@ struct ParaxialRay {
     double y_mm = 0, nu = 0;
 };
 
-/// Returns the paraxial ray in the vertex plane of `surface`, after refraction there [born1999, 4.4.1].
-/// `at_first` is the ray in the vertex plane of the first surface, before refraction and in air.
+/// Returns the paraxial ray behind `surface`, in its vertex plane [born1999, 4.4.1]. `at_first` is the ray in
+/// air, in the vertex plane of the first surface.
 [[nodiscard]] ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, ParaxialRay at_first,
                                        std::size_t surface);
 
-/// Returns the position of the image of an axial object point, in mm from the last vertex. `object_z_mm` is
-/// measured from the first vertex and may be -infinity.
+/// Returns the image position of an axial object point, in mm from the last vertex. `object_z_mm` is in mm
+/// from the first vertex, and may be -infinity.
 [[nodiscard]] double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// The parsers of the file formats, which read_prescription calls. A parser does not check whether the
-// prescription as a whole is valid. Only read_prescription.cpp and the parsers include this header.
+// Parsers of the prescription formats. They do not check whether the whole prescription is valid;
+// read_prescription does.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,7 @@
 
 namespace postlens {
 
-// `file` is the file name with which error messages begin. All parsers throw Error(invalid_input) "FILE:LINE:
-// ...".
+// `file` is the file name for error messages. All parsers throw Error(invalid_input) "FILE:LINE: ...".
 [[nodiscard]] Prescription parse_dat(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_zmx(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_seq(const std::string& text, const std::string& file);
@@ -25,17 +24,16 @@ struct TextLine {
     std::string_view text;
 };
 
-/// Splits text into lines at "\n", "\r\n" or "\r". The lines do not include these characters.
+/// Splits text into lines at "\n", "\r\n" or "\r", which are removed.
 [[nodiscard]] std::vector<TextLine> lines_of(std::string_view text);
 
-/// Splits a line into words at blanks and tabs. Text in single or double quotes is one word, which does not
-/// include the quotes.
+/// Splits a line into words at blanks and tabs. Text in quotes is one word, without the quotes.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view line);
 
 /// Parses a word as a number. Throws "FILE:LINE: WHAT is not a finite number (got ...; expected a number)".
 double number_in(const std::string& file, int line, std::string_view word, std::string_view what);
 
-/// Throws if `count`, the number of surfaces read so far, has reached the limit most_surfaces.
+/// Throws if `count` surfaces have already reached the limit most_surfaces.
 void check_surface_count(const std::string& file, int line, std::size_t count);
 
 /// Throws if the medium between the object and the lens is not air.

@@ -117,8 +117,8 @@ constexpr Entry catalogue[] = {
     // clang-format on
 };
 
-// Simplifies the name of a glass for comparison. Letters become capital. Hyphens, blanks and everything after
-// an underscore (the maker's name) are removed.
+// Simplifies the name of a glass for comparison: capital letters, without hyphens, blanks and the maker's
+// suffix.
 std::string bare(std::string_view name) {
     std::string out;
     for (const char c : name.substr(0, name.find('_'))) {
@@ -140,8 +140,7 @@ std::optional<Glass> find_glass(std::string_view name) {
     const std::string wanted = bare(name);
     if (wanted.empty()) return std::nullopt;
     const Entry* entry = find_bare(wanted);
-    // In the 1990s, lead-free glasses replaced older glasses. The name of a replacement is the old name with
-    // an N in front.
+    // Lead-free glasses replaced older ones. Their names have an additional N in front.
     if (entry == nullptr) entry = find_bare("N" + wanted);
     if (entry == nullptr) return std::nullopt;
     return Glass::sellmeier(entry->terms, std::string(entry->name));

@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 // Largest allowed overlap of neighbouring surfaces, as a fraction of the clear radius. Patents often round
-// clear radii up, so surfaces can overlap slightly near their rims, where no light passes.
+// clear radii up, so surfaces may overlap near their rims.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {
@@ -45,8 +45,8 @@ void check_surface(const Prescription& lens, std::size_t i) {
     }
 }
 
-// Returns the gap between surfaces i and i + 1 at distance r from the axis. It is NaN beyond the edge of
-// either surface.
+// Returns the gap between surfaces i and i + 1 at distance r from the axis. It is NaN beyond a surface's
+// edge.
 double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
     const Surface& a = lens.surfaces[i];
     return a.thickness_mm + lens.surfaces[i + 1].sag_mm(r_mm) - a.sag_mm(r_mm);
@@ -57,7 +57,7 @@ struct Crossing {
     double met_mm = 0;    ///< smallest distance from the axis at which the surfaces meet
 };
 
-// Finds where surfaces i and i + 1 cross within the clear radii of both surfaces.
+// Finds where surfaces i and i + 1 cross within their clear radii.
 std::optional<Crossing> crossing(const Prescription& lens, std::size_t i) {
     const double clear = std::min(lens.surfaces[i].clear_radius_mm, lens.surfaces[i + 1].clear_radius_mm);
     if (!std::isfinite(clear)) return std::nullopt;

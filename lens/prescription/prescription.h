@@ -13,16 +13,17 @@
 
 namespace postlens {
 
-/// Largest number of surfaces that is accepted. Photographic lenses have far fewer. The limit bounds the time
-/// per ray, because a ray meets every surface.
+/// Largest accepted number of surfaces. It bounds the time per ray, because a ray meets every surface.
 inline constexpr std::size_t most_surfaces = 500;
 /// Number of terms in the polynomial r^2, r^4, ... r^20 of an even asphere.
 inline constexpr std::size_t asphere_terms = 10;
 
-/// A surface of revolution about the z axis, which points from the scene to the film. The sag is the distance
-/// of the surface from its vertex plane, positive towards the film. At distance r from the axis, the sag is c
-/// r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i), with curvature c, conic constant k and aspheric
-/// coefficients a_i.
+/// A surface of revolution about the z axis, which points from the scene to the film. Its distance from its
+/// vertex plane (the sag) at radius r is
+///
+///     c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i)
+///
+/// with curvature c, conic constant k and aspheric coefficients a_i.
 struct Surface {
     double curvature_per_mm = 0;                  ///< c = 1 / radius; > 0 if the centre is on the film side
     double conic = 0;                             ///< k; 0 for a sphere, -1 for a paraboloid
@@ -34,12 +35,11 @@ struct Surface {
     int line = 0;  ///< line number in the file, for error messages; 0 if unknown
 
     [[nodiscard]] bool is_asphere() const;
-    /// Returns the sag at distance r_mm from the axis. It is NaN beyond the edge of the conic.
+    /// Returns the sag at distance r_mm from the axis, or NaN beyond the edge of the conic.
     [[nodiscard]] double sag_mm(double r_mm) const;
 };
 
-/// A lens prescription. Lengths are in mm, even if the file uses another unit. Prescriptions from
-/// `read_prescription` have passed `check_prescription`.
+/// A lens prescription. Lengths are in mm, even if the file uses another unit.
 struct Prescription {
     std::string file;    ///< file name for error messages
     std::string name;    ///< may be empty
@@ -48,8 +48,8 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// The opening of the stop is given by at most one of these two numbers. If both are absent, the opening
-    /// is the clear radius of the stop.
+    /// At most one of the two gives the opening of the stop. Without them, the opening is the stop's clear
+    /// radius.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty
@@ -60,8 +60,8 @@ struct Prescription {
     [[nodiscard]] double index_after(std::size_t surface) const {
         return surfaces[surface].glass.index(wavelength_nm);
     }
-    /// Returns the refractive index between the last surface and the film. It is 1 in air, and larger in an
-    /// eye or under water.
+    /// Returns the refractive index between the last surface and the film. It differs from 1 in an eye or
+    /// under water.
     [[nodiscard]] double image_index(double at_nm) const { return surfaces.back().glass.index(at_nm); }
     /// Returns the distance from the first vertex to the last.
     [[nodiscard]] double length_mm() const;
@@ -70,21 +70,21 @@ struct Prescription {
 /// Returns "FILE:LINE" of a surface, for error messages.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
 
-/// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength. Names and
-/// notes are not included.
+/// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that overlap within their clear radii, as in some patents and files of
-/// fisheye lenses. If the overlap exceeds 1 % of the smaller clear radius, both clear radii are reduced to
-/// the radius where the surfaces meet, and a note is added. If this would leave less than 1 % of the smaller
-/// clear radius, the surfaces stay unchanged, so that check_prescription rejects the lens.
+/// Repairs neighbouring surfaces that overlap by more than 1 % within their clear radii, as in some patents.
+/// Both clear radii are reduced to the radius where the surfaces meet, and a note is added.
+///
+/// Surfaces that meet too close to the axis (1 % of the clear radius) stay unchanged. check_prescription then
+/// rejects the lens.
 void clip_crossings(Prescription& lens);
 
-/// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these conditions hold:
-/// - The prescription has 1 to `most_surfaces` surfaces and exactly one stop, whose opening is given.
+/// Throws Error(invalid_input) "FILE:LINE: ..." unless:
+/// - There are 1 to `most_surfaces` surfaces and exactly one stop, whose opening is given.
 /// - All numbers are finite, thicknesses are not negative, and clear radii are positive.
 /// - Refractive indices at the prescription's wavelength are between 1 and 5.
-/// - No two neighbouring surfaces overlap by more than 1 % of the smaller of their clear radii.
+/// - Neighbouring surfaces overlap by at most 1 % of the smaller clear radius.
 void check_prescription(const Prescription& lens);
 
 }  // namespace postlens

@@ -13,23 +13,22 @@
 namespace postlens {
 namespace {
 
-// Largest accepted file size. A Zemax file with the largest number of surfaces, 500, is smaller than 1 MB.
+// Largest accepted file size. Even a Zemax file with 500 surfaces is smaller than 1 MB.
 constexpr std::uintmax_t largest_file_bytes = 64'000'000;
 
 std::string ending_of(const std::filesystem::path& path) {
     return lower_case(path.extension().string());
 }
 
-// Converts UTF-16 to ASCII. Zemax writes UTF-16 with or without a byte order mark. Non-ASCII characters occur
-// only in names and become question marks.
+// Converts UTF-16, which Zemax writes, to ASCII. Other characters occur only in names, and become question
+// marks.
 std::string decoded(std::string bytes) {
     const auto byte = [&bytes](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
     if (bytes.size() >= 3 && byte(0) == 0xEF && byte(1) == 0xBB && byte(2) == 0xBF) return bytes.substr(3);
     if (bytes.size() < 2) return bytes;
     const bool marked_little = byte(0) == 0xFF && byte(1) == 0xFE;
     const bool marked_big = byte(0) == 0xFE && byte(1) == 0xFF;
-    // UTF-16 without a byte order mark is recognised by zero bytes in its first two characters, which are
-    // ASCII in these formats.
+    // Without a byte order mark, UTF-16 is recognised by zero bytes in the first two characters.
     const bool bare_little =
         bytes.size() >= 4 && byte(0) != 0 && byte(1) == 0 && byte(2) != 0 && byte(3) == 0;
     const bool bare_big = bytes.size() >= 4 && byte(0) == 0 && byte(1) != 0 && byte(2) == 0 && byte(3) != 0;
@@ -44,8 +43,7 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Replaces all characters other than printable ASCII. The encoding of names in these files is unknown, and
-// names are written to terminals, JSON and drawings.
+// Replaces all characters other than printable ASCII. The encoding of names in these files is unknown.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

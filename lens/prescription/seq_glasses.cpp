@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-// Returns true if the terms of a Sellmeier formula can describe a real glass. The index must be between 1.2
-// and 4. The poles must lie below 0.32 um or above 2 um, outside the visible spectrum.
+// Returns true if the Sellmeier terms can describe a real glass. Its poles must lie outside the visible
+// spectrum: below 0.32 um or above 2 um.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
     return n > 1.2 && n < 4 &&
@@ -37,8 +37,8 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
         const double vd = number_in(file_, line, std::string_view(name).substr(colon + 1), "Vd");
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
-    // In a code such as 517.642, the digits before the dot are the decimals of the index nd = 1.517. The
-    // digits after the dot are the Abbe number Vd = 64.2.
+    // In a code such as 517.642, the digits before the dot mean nd = 1.517. Those after it mean the Abbe
+    // number Vd = 64.2.
     const auto is_digits = [](std::string_view part) {
         return part.size() >= 3 && part.size() <= 9 &&
                std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
@@ -55,9 +55,7 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
     return glass_by_name(file_, line, word);
 }
 
-// Defines a private glass (one that the file itself describes) by a formula. Missing coefficients are 0.
-// Sellmeier coefficients have the order B1 C1 B2 C2 B3 C3 in some files, and B1 B2 B3 C1 C2 C3 in others. The
-// order that gives a plausible glass is used. If both or neither do, the glass counts as unreadable.
+// Defines a private glass, which the file itself describes, by a formula. Missing coefficients are 0.
 void SeqGlasses::define_by_formula(int line, const std::string& key, const std::string& formula,
                                    std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",
@@ -71,6 +69,8 @@ void SeqGlasses::define_by_formula(int line, const std::string& key, const std::
     }
     terms.resize(6, 0);
     const auto& t = terms;
+    // Some files order Sellmeier coefficients B1 C1 B2 C2 B3 C3, others B1 B2 B3 C1 C2 C3. The order that
+    // gives a plausible glass is used.
     const std::array<double, 6> in_order{t[0], t[1], t[2], t[3], t[4], t[5]},
         in_pairs{t[0], t[2], t[4], t[1], t[3], t[5]};
     if (laurent) {
@@ -91,8 +91,7 @@ void SeqGlasses::define(int line, const std::string& key, const SeqWords& words)
         for (std::size_t i = 1; i < words.size(); ++i)
             wavelengths_nm_.push_back(seq_number(file_, line, words, i, "wavelength"));
     } else {
-        // If a private glass cannot be read, the reason is stored. `find` reports it as an error only if a
-        // surface uses the glass.
+        // Stores the reason if a glass cannot be read. Only a surface that uses the glass makes it an error.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);
         const std::string formula = named ? upper_case(words[1]) : "";

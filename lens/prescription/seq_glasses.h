@@ -1,6 +1,5 @@
-// Glasses of CODE V sequence files. A file refers to a glass by its catalogue name, by a code of its index nd
-// and Abbe number Vd, or by the name of a private glass that the file defines. Only the parser of these files
-// includes this header.
+// Glasses of CODE V sequence files. A file names a glass of the catalogue, a code of its index and Abbe
+// number, or a private glass that it defines.
 #pragma once
 
 #include <map>
@@ -18,13 +17,15 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a command from the block of private glasses, between PRV and END. The command defines a glass,
-    /// or the wavelengths for the indices in later commands. If a glass cannot be read, `find` throws when a
-    /// surface uses the glass.
+    /// Reads a command between PRV and END, the block of private glasses. It defines a glass, or the
+    /// wavelengths of the indices in later commands.
+    ///
+    /// An unreadable glass is not an error until `find` needs it.
     void define(int line, const std::string& key, const SeqWords& words);
-    /// Finds a glass by its catalogue name, by the name of a private glass, or by a code of its index nd and
-    /// Abbe number Vd. Examples of codes are "517642", "517.642", "516800.641700" and "1.5168:64.17". Throws
-    /// Error(invalid_input) if the glass is unknown.
+    /// Finds a glass by its catalogue name, its private name, or a code of index nd and Abbe number Vd, such
+    /// as "517642", "517.642" or "1.5168:64.17".
+    ///
+    /// Throws Error(invalid_input) if the glass is unknown.
     [[nodiscard]] Glass find(int line, std::string_view word) const;
 
   private:

@@ -18,8 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads a command in one of two passes. The first pass (`glasses` is true) reads only definitions of
-    /// private glasses, and the second pass reads only the other commands.
+    /// Reads one command. A first pass (`glasses` is true) reads only private glasses, and a second pass all
+    /// other commands.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -47,8 +47,7 @@ class SeqReader {
     SeqGlasses glasses_;
 };
 
-// Returns the surface that a command applies to. This is the surface named after the command, as in "S3", or
-// else the latest surface.
+// Returns the surface that a command names, as in "S3", or else the latest surface.
 Surface& SeqReader::addressed(const SeqWords& words, std::size_t& next) {
     std::size_t at = current_;
     if (next < words.size() && words[next].size() > 1 && std::toupper(words[next][0]) == 'S') {
@@ -138,9 +137,7 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads the clear radius from the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius
-// may be in any order. Light must pass inside the edge of the glass (EDG) and inside the clear aperture
-// (CLR), so the smallest radius is used. Obscurations (OBS) and holes (HOL) are not supported.
+// Reads the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius may be in any order.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -152,12 +149,13 @@ void SeqReader::clear_radius(const SeqWords& words) {
             --next;
         }
     }
+    // Light must pass both the glass edge (EDG) and the clear aperture (CLR), so the smaller radius counts.
     s->clear_radius_mm = std::min(s->clear_radius_mm, number(words, next, "clear radius"));
 }
 
 void SeqReader::system_command(const std::string& key, const SeqWords& words) {
     if (key == "RDM") {
-        // After RDM or "RDM Y", the file gives radii of curvature. After "RDM N", it gives curvatures.
+        // The file gives radii after RDM or "RDM Y", and curvatures after "RDM N".
         by_radius_ = words.size() < 2 || upper_case(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -193,8 +191,7 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // All other commands, such as weights, solves, vignetting and displays, do not affect the shape of the
-    // lens.
+    // Other commands, such as weights and displays, do not affect the shape of the lens.
 }
 
 void SeqReader::command(int line, const SeqWords& words, bool glasses) {
@@ -240,8 +237,7 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The film distance is the last thickness plus the defocus. CODE V stores the defocus as the thickness of
-    // the image surface.
+    // The film distance is the last thickness plus the defocus, which CODE V stores as the image's thickness.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.
@@ -266,7 +262,7 @@ Prescription SeqReader::finish() {
 Prescription parse_seq(const std::string& text, const std::string& file) {
     SeqReader reader(file);
     const std::vector<std::pair<int, std::string>> commands = seq_commands(text, file);
-    // A private glass may be defined after the surfaces that use it, so all glasses are read in a first pass.
+    // Glasses are read first, because their definition may follow the surfaces that use them.
     for (const bool glasses : {true, false}) {
         for (const auto& [number, command] : commands) reader.command(number, words_of(command), glasses);
     }

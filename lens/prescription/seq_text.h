@@ -1,5 +1,4 @@
-// Splits CODE V sequence files into commands, words and numbers. Only the parser of these files includes this
-// header.
+// Splits CODE V sequence files into commands, words and numbers.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +11,22 @@ namespace postlens {
 
 using SeqWords = std::vector<std::string_view>;
 
-/// Returns the commands of a file, each with the number of its last line. Comments are removed, and continued
-/// lines are joined. Throws Error(invalid_input) if a command has more than 100000 characters.
+/// Returns the commands of a file, each with its last line number. Comments are removed, and continued lines
+/// are joined.
+///
+/// Throws Error(invalid_input) if a command has more than 100000 characters.
 [[nodiscard]] std::vector<std::pair<int, std::string>> seq_commands(const std::string& text,
                                                                     const std::string& file);
 
 /// Converts a word to upper case.
 [[nodiscard]] std::string upper_case(std::string_view word);
 
-/// Returns word `i` of a command as a number. Throws Error(invalid_input) if the word is missing or is not a
-/// finite number.
+/// Returns word `i` of a command as a number. Throws Error(invalid_input) if it is missing or not a finite
+/// number.
 [[nodiscard]] double seq_number(const std::string& file, int line, const SeqWords& words, std::size_t i,
                                 std::string_view what);
 
-/// Throws Error(invalid_input) for a command that describes anything other than a lens of centred surfaces.
+/// Throws Error(invalid_input) for a command that describes more than a lens of centred surfaces.
 [[noreturn]] void seq_unsupported(const std::string& file, int line, std::string_view what);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// Reads our own lens format, which docs/lens_prescriptions.md describes. A file has the tables [lens] and
-// [glass.NAME], and one [[surface]] table per surface.
+// Reads our own lens format (docs/lens_prescriptions.md).
 #include <algorithm>
 #include <array>
 #include <map>
@@ -15,7 +14,7 @@ using Glasses = std::map<std::string, Glass, std::less<>>;
 
 constexpr std::array<Name, 4> medium_keys{"index", "nd", "vd", "sellmeier"};
 
-// Reads a medium from the keys of a table. Returns an empty value if the table has none of these keys.
+// Reads a medium from a table. Returns nothing if the table describes none.
 std::optional<Glass> medium(const TomlTable& table, const std::string& name) {
     table.refuse_both("index", "nd");
     table.refuse_both("index", "sellmeier");
@@ -110,8 +109,7 @@ void read_lens(const TomlTable& table, Prescription& lens) {
 }  // namespace
 
 Prescription parse_lens_toml(const std::string& text, const std::string& file) {
-    // Surfaces are counted before the file is parsed, because the parser would run out of memory on millions
-    // of surfaces.
+    // Counts the surfaces before parsing, because the parser would run out of memory on millions of them.
     const auto lines = lines_of(text);
     std::size_t tables = 0;
     for (const TextLine& line : lines) {

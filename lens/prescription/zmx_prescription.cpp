@@ -1,5 +1,5 @@
-// Reads the text format of Zemax. Each surface is a block of lines that begins with SURF. The blocks are
-// ordered from the object surface to the image surface.
+// Reads the text format of Zemax. Each surface, from object to image, is a block of lines that begins with
+// SURF.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -93,9 +93,8 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // The catalogue does not contain the glass, so the nd and Vd on the line define it. In many files, nd 1.5
-    // and Vd 40 are a placeholder of Zemax for catalogue data, and do not describe the glass. They count only
-    // for a model glass, which has no catalogue entry.
+    // The line's nd and Vd define a glass outside the catalogue. But nd 1.5 with Vd 40 is usually a
+    // placeholder of Zemax.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
@@ -133,7 +132,7 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
     } else if (key == "GLAS") {
         glass(words);
     } else if (key == "CLAP" || key == "FLAP") {
-        // CLAP and FLAP give the inner and the outer radius of a ring that transmits light.
+        // CLAP and FLAP give the inner and outer radius of a ring that transmits light.
         if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
         s.aperture_radius = number(words, 2, "outer radius");
     } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||
@@ -200,16 +199,14 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane with air on both sides is only a reference plane, which blocks no light. The diameter that
-        // Zemax states for it is therefore ignored.
+        // A plane in air is only a reference plane and blocks no light. Its stated diameter is ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // a_i is the coefficient of r^(2i) for lengths in the file's unit U. For lengths in mm, the
-            // coefficient is a_i U / U^(2i).
+            // a_i is the coefficient of r^(2i) in the file's unit U. In mm, it is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }
@@ -236,7 +233,7 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // Field positions were read as angles. If the file gives heights instead, they are discarded.
+    // Fields were read as angles, but are heights here.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

@@ -57,8 +57,7 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Beyond the table's inverse depths, responses are extrapolated linearly. The limit of 1000 table steps
-    // keeps them finite at every depth.
+    // Beyond the table, responses are extrapolated linearly. The limit of 1000 steps keeps them finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -69,8 +68,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // Beyond the table, only landing points are extrapolated. Pupil points and the light of the rays change
-    // little with depth, so they keep their values at the end of the table.
+    // Beyond the table, only landing points are extrapolated. Pupil points and light change little with
+    // depth.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -90,8 +89,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a tabulated quantity at an inverse depth. Within the table, the bound is the
-// larger of the two neighbouring values. Beyond the table, it grows linearly.
+// Returns an upper bound of a tabulated quantity: the larger neighbour within the table, and linear growth
+// beyond it.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

@@ -1,4 +1,4 @@
-// Impulse responses of a traced lens for every depth and field, interpolated from precomputed fans of rays.
+// Impulse responses of a traced lens, interpolated from precomputed fans of rays.
 #pragma once
 
 #include <vector>
@@ -7,29 +7,30 @@
 
 namespace postlens {
 
-/// A table of fans, which are bundles of rays from one object point through the lens. The object points lie
-/// on a grid of inverse depths and field tangents (tangents of the angle from the axis). Between grid points,
-/// fans are interpolated linearly; docs/lens.md gives the errors. The constructor traces the fans in
-/// parallel. Results are bit-identical for any number of threads.
+/// A table of fans: bundles of rays from one object point through the lens. The object points lie on a grid
+/// of inverse depths and field tangents (tangents of the angle from the axis).
+///
+/// Between grid points, fans are interpolated linearly (errors in docs/lens.md). Results are bit-identical
+/// for any number of threads.
 class FanTable {
   public:
-    /// Makes a table for inverse depths from 0 to `largest_inverse_depth_per_m` or to the inverse focus
-    /// distance, whichever is larger, and for tangents from 0 to `widest_tangent`. Beyond the largest inverse
-    /// depth, responses grow linearly. Beyond the widest tangent, they stay constant.
+    /// Covers inverse depths from 0 to the given one or to the inverse focus distance, whichever is larger.
+    /// Covers tangents from 0 to `widest_tangent`.
+    ///
+    /// Beyond the largest inverse depth, responses grow linearly. Beyond the widest tangent, they stay
+    /// constant.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns LensView::light, interpolated in the table: the light that a pixel receives from a uniform
-    /// scene at any distance, relative to the light of the centre pixel. `tangent` is the tangent of the
-    /// angle between the pixel's direction and the axis.
+    /// Returns LensView::light, interpolated in the table. `tangent` is the tangent of the pixel's angle from
+    /// the axis.
     [[nodiscard]] double light(double tangent) const;
     /// Returns an upper bound of the radius of all impulse responses at an inverse depth, divided by the film
-    /// distance. The radius is the distance on the film between an object point's image and its farthest
-    /// light.
+    /// distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes over the field. If the object point moves,
-    /// each ray's landing point moves relative to the point's image. The result bounds the movement of the
-    /// landing point divided by that of the object point. Both movements are differences of field tangents.
+    /// Returns an upper bound of how fast the response changes over the field: the shift of a ray's landing
+    /// point, relative to the object point's image, per shift of the object point. Both are in field
+    /// tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -14,8 +14,7 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Error, in mm, of the polynomial model in x or y of one ray's landing point on the film. It is linear in the
-// coefficients.
+// Error, in mm, of the model's x or y of one ray's landing point. It is linear in the coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
     LandingResidual(const std::array<double, polynomial_terms>& terms, double mm) : terms_(terms), mm_(mm) {}
@@ -36,8 +35,8 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from a point on the traced edge of the pupil to the edge of the modelled pupil, which is
-// the intersection of three circles (see PupilCircle).
+// Signed distance from a point on the traced edge of the pupil to the modelled edge. The modelled pupil is
+// the intersection of three circles.
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -48,7 +47,7 @@ struct EdgeResidual {
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
             const Number y = at.y - (c[0] + c[4] * K) * T - c[1] * (T * T * T);
-            // 1e-12 keeps the argument of the root above 0, where the derivative would be infinite.
+            // 1e-12 avoids the infinite derivative of the root at 0.
             const Number outside = sqrt(at.x * at.x + y * y + 1e-12) - (c[2] + c[3] * (T * T) + c[5] * K);
             if (first || outside > residual[0]) residual[0] = outside;
             first = false;
@@ -75,9 +74,8 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals that fit the three circles of the pupil (see PupilCircle) to the traced edge of the pupil.
-// If only one of two neighbouring rays of the mesh passes the lens, the edge is assumed to lie halfway
-// between them. Points are in radii of the paraxial pupil.
+// Adds residuals that fit the three circles to the traced edge of the pupil. The edge lies halfway between
+// neighbouring rays of which only one passes. Points are in pupil radii.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);
@@ -97,8 +95,8 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Returns initial values for the three circles whose intersection is the pupil. They are the paraxial images,
-// in the plane of the pupil, of the stop and of the rims of the first and last surface.
+// Returns initial values of the pupil's three circles. They are the paraxial images of the stop and of the
+// first and last rim.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();
@@ -109,9 +107,7 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray at height q in the pupil, with field tangent t, meets the surface at the height a q
-        // - b t. Here, a is the height of the ray with q = 1 and t = 0, and b that of the ray with q = 0 and
-        // slope 1 (t = -1).
+        // A paraxial ray at pupil height q and field tangent t meets the surface at the height a q - b t.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

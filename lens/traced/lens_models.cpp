@@ -23,8 +23,7 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // The terms describe defocus, field curvature, astigmatism, spherical aberration and coma, each also in
-    // the next higher order.
+    // Defocus, field curvature, astigmatism, spherical aberration and coma, each in two orders.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -70,8 +69,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // Returns the distance from the film centre at which the chief ray (the ray through the centre of the
-    // stop) lands, or infinity if this ray is blocked.
+    // Returns the chief ray's distance from the film centre, or infinity if it is blocked. The chief ray
+    // passes through the centre of the stop.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -79,9 +78,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // Searches outwards in steps of one degree. The search ends when the chief ray lands at least field_mm
-    // from the film centre, or, at large field angles, when its distance from the centre no longer grows.
-    // Bisection refines the last step.
+    // Searches outwards in steps of one degree, until the chief ray lands field_mm from the centre or no
+    // longer moves outwards. Bisection refines the last step.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -115,9 +113,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // `landing` traces the paraxial ray from a point on the axis through the pupil at the height 1 mm. It
-    // returns the height, in mm, at which the ray meets the film: 0 if the point is in focus. The point's
-    // depth is measured from the pinhole.
+    // Returns the height, in mm, at which a paraxial ray meets the film: 0 for a point in focus. The ray
+    // starts on the axis and meets the pupil at the height 1 mm.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -128,8 +125,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // Inverse depth, in 1/m, that is in focus for paraxial rays. A focus distance in the settings takes
-    // precedence.
+    // Inverse depth, in 1/m, that paraxial rays focus. A focus distance in the settings takes precedence.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

@@ -1,5 +1,4 @@
-// Models of one lens, from the thin lens to the traced lens. Also computes the error of each model relative
-// to the traced lens.
+// Models of one lens, from thin to traced, and the error of each model.
 #pragma once
 
 #include <array>
@@ -23,9 +22,8 @@ enum class LensModelKind {
 inline constexpr std::size_t lens_model_kinds = 4;
 [[nodiscard]] const char* name_of(LensModelKind kind);
 
-/// The point where a ray lands on the film. It is relative to the landing point of the chief ray, which is
-/// the ray from the same object point through the centre of the stop. `passes` is false if the lens blocks
-/// the ray.
+/// The landing point of a ray on the film, relative to that of the chief ray. The chief ray leaves the same
+/// object point and passes through the centre of the stop.
 struct ModelRay {
     glm::dvec2 film_mm{0};
     bool passes = false;
@@ -43,16 +41,16 @@ struct ModelRay {
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil. Lengths are in radii of the paraxial pupil. T is
-/// the field tangent and K the defocus, each divided by its largest value in PolynomialLens. The circle's
-/// centre is (0, (shift + shift_by_depth K) T + bend T^3), and its radius is radius + radius_by_depth K +
-/// growth T^2.
+/// One of three circles whose intersection is the pupil, in radii of the paraxial pupil. T is the field
+/// tangent and K the defocus, both relative to the largest.
+/// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
+/// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
 
-/// The polynomial model of a lens (LensModelKind::polynomial), which `fit_polynomial_lens` returns. All
-/// members are plain numbers, so the model can be stored in a file or passed to a renderer.
+/// The polynomial model of a lens, made by `fit_polynomial_lens`. It consists of plain numbers that can be
+/// stored or passed to a renderer.
 struct PolynomialLens {
     double pupil_radius_mm = 1;        ///< unit of (u, v)
     double largest_tangent = 1;        ///< tangent at which T = 1
@@ -61,24 +59,27 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Evaluates the model. The depth must be positive and may be infinite. The field tangent is along +y and
-    /// must not be negative. The pupil point is in mm on the plane of the paraxial pupil.
+    /// Computes the landing point of a ray. The depth is positive and may be infinite. The field tangent is
+    /// along +y, and not negative.
+    ///
+    /// `pupil_mm` is on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the terms for x and for y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                       std::array<double, polynomial_terms>& y);
 };
 
-/// The depths and fields for which a model is fitted or its error is measured.
+/// The depths and fields at which a model is fitted or tested.
 struct LensModelRange {
     std::vector<double> depths_m;  ///< > 0, infinity allowed
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` equally spaced field
-/// tangents from 0 to the tangent at which the chief ray (the ray through the centre of the stop) lands
-/// `field_mm` from the centre of the film. b may be infinite. Throws Error(wrong_arguments) unless 0 < a < b,
-/// or if no chief ray lands at that distance.
+/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` equal steps of the
+/// field tangent. b may be infinite.
+///
+/// The largest tangent is that of the chief ray that lands `field_mm` from the film centre. Throws
+/// Error(wrong_arguments) unless 0 < a < b, or if there is no such ray.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -88,22 +89,21 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns the landing point of a ray according to the given model. Call set_polynomial before using the
-    /// polynomial model.
+    /// Returns the landing point of a ray by one of the models. The polynomial model needs set_polynomial.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the root mean square error of the model's landing points, in mm, at one depth and field, over
-    /// a uniform grid of the pupil. In both the model and the traced lens, landing points are relative to the
-    /// chief ray.
+    /// Returns the root mean square error of the landing points, in mm, over a uniform grid of the pupil.
+    /// Landing points are relative to the chief ray.
     ///
-    /// If a ray passes in only one of the two, its error is the distance on the film between its landing
-    /// point and that of the nearest ray that passes in both.
+    /// If only the model or only the traced lens passes a ray, the nearest ray that both pass replaces the
+    /// missing one.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick-lens model, the ray through pupil point p lands on the film at p (thick_at_infinity() +
-    /// thick_per_depth_m() / z'), where z' is the depth of the object point in m.
+    /// In the thick-lens model, the ray through pupil point p of an object at depth z' (m) lands at
+    ///
+    ///     p (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 
@@ -116,9 +116,9 @@ class LensModels {
     double thick_at_infinity_ = 0, thick_per_depth_m_ = 0;
 };
 
-/// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
-/// The landing points depend linearly on the coefficients of the polynomials. The pupil is the intersection
-/// of three circles, whose initial values are the paraxial images of the stop and of the first and last rim.
+/// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares. The three
+/// circles of the pupil start as paraxial images of the stop and of the first and last rim.
+///
 /// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);

@@ -11,7 +11,7 @@ using glm::dvec3;
 
 constexpr int outline_points = 48;
 
-// Returns the profile of a surface as a curve of points (z, y), from y = -radius to y = radius.
+// Returns a surface's profile as points (z, y), from y = -radius to y = radius.
 std::vector<dvec2> outline(const Surface& s, double z, double radius) {
     std::vector<dvec2> out;
     for (int i = 0; i <= outline_points; ++i) {
@@ -79,8 +79,7 @@ LensSection lens_section(const Prescription& lens, const TracedLens& traced, dou
             out.height_mm = std::max(out.height_mm, outer);
         }
         if (i + 1 < stack.size() && !s.glass.is_air()) {
-            // Both surfaces of a lens element are drawn up to the larger of their two radii, as on real
-            // lenses.
+            // Draws both surfaces of a lens element up to the larger of their radii, as on real lenses.
             auto shape = outline(s, z, radius_of(i));
             auto back = outline(lens.surfaces[i + 1], stack.vertex_z_mm(i + 1), radius_of(i + 1));
             const double rim = std::max(radius_of(i), radius_of(i + 1));

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// A section of a lens along its axis. Points (z, y) are in mm, and z is measured from the first vertex
-/// towards the film.
+/// A section of a lens along its axis. Points (z, y) are in mm; z begins at the first vertex and points to
+/// the film.
 struct LensSection {
     struct RayLine {
         std::size_t field = 0;  ///< index into the parameter `fields`
@@ -25,9 +25,10 @@ struct LensSection {
     double height_mm = 0;   ///< largest distance of these curves from the axis
 };
 
-/// Computes the section of a lens. For each tangent in `fields`, traces `rays` rays from an object point at
-/// depth_m. The rays are spread across the pupil, in the plane of the drawing. Surfaces are drawn up to their
-/// clear radius. If the prescription gives no clear radius, surfaces are drawn as wide as the rays need.
+/// Computes the section of a lens. For each tangent in `fields`, traces `rays` rays from a point at depth_m,
+/// spread across the pupil.
+///
+/// Surfaces without a clear radius are drawn as wide as the rays need.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);
 

@@ -9,8 +9,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Moves the origin of a ray along the ray to the plane z, near the lens. Intersections with surfaces are
-// computed from squared coordinates of the origin, which are imprecise if the origin is far away.
+// Moves a ray's origin along the ray to the plane z, near the lens. Intersections are imprecise if the origin
+// is far away.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
 }
@@ -49,17 +49,19 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // If the ray's origin is more than 100 radii of curvature away, its squared coordinates are too
-    // imprecise. The origin then moves along the ray to the point nearest to the vertex. For a tiny surface,
-    // the rounding error of this movement can exceed the radius, so the loop repeats the movement once.
+    // Moves an origin more than 100 curvature radii away to the ray's point nearest to the vertex, for
+    // precision. For a tiny surface, rounding makes a second move necessary.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0, where c is the curvature and
-    // q is 1 plus the conic constant. This is the quadratic equation a t^2 - 2 b t + f = 0. Of its two
-    // solutions, the one that stays finite as c approaches 0 is used [welford1986, 4.3]. It is f / (b + root)
-    // = (b - root) / a; the form without cancellation is computed.
+    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. This is a
+    // quadratic equation:
+    //
+    //     a t^2 - 2 b t + f = 0
+    //
+    // The wanted solution f / (b + root) = (b - root) / a stays finite for c = 0. The form without
+    // cancellation is computed.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -70,13 +72,11 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // A conic such as an ellipsoid curves back beyond its widest circle. Lens surfaces do not include
-        // this part, so intersections there are rejected.
+        // Rejects intersections beyond the widest circle of a conic, where an ellipsoid curves back.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
-        // The even polynomial displaces the surface along z. Newton's method starts at the intersection with
-        // the conic.
+        // The even polynomial displaces the surface along z. Newton's method starts at the conic.
         constexpr int most_steps = 32;
         constexpr double close_mm = 1e-10;
         double miss = 0;
@@ -108,14 +108,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // A NaN coordinate makes this comparison false, and the ray then counts as vignetted.
+    // False for NaN, so such rays count as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;
 }
 
-// Refracts a ray by Snell's law, n' (d' x N) = n (d x N). `ratio` is n / n', and `normal` points towards +z.
-// Returns false for total reflection.
+// Refracts a ray by Snell's law, n' (d' x N) = n (d x N), with `ratio` n / n'. Returns false for total
+// reflection.
 bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
     const double cosine = glm::dot(direction, normal);
     const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);

@@ -26,12 +26,12 @@ struct RayEnd {
     [[nodiscard]] bool passes() const { return fate == RayFate::passes; }
 };
 
-/// A ray in the frame of the lens, in mm. The origin of the frame is the vertex of the first surface, and z
-/// points towards the film.
+/// A ray in the frame of the lens, in mm. The origin is the first surface's vertex, and z points towards the
+/// film.
 struct LensRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, 1};  ///< of length 1
-    /// Returns the intersection with the plane at z, which is perpendicular to the axis.
+    /// Returns the intersection with the plane at z, perpendicular to the axis.
     [[nodiscard]] glm::dvec2 at_z(double z_mm) const {
         return glm::dvec2(origin) + (z_mm - origin.z) / direction.z * glm::dvec2(direction);
     }
@@ -39,14 +39,14 @@ struct LensRay {
 
 enum class Apertures : bool { ignored, respected };
 
-/// The surfaces of a prescription at one wavelength and with one opening of the stop, prepared for ray
-/// tracing. Refraction uses Snell's law in vector form. Intersections with conics are computed in closed
-/// form. Intersections with even aspheres are computed by Newton's method to 1e-10 mm [welford1986, 4].
+/// The surfaces of a lens at one wavelength and stop opening, prepared for ray tracing. Conics are
+/// intersected in closed form, and even aspheres by Newton's method to 1e-10 mm [welford1986, 4].
+///
 /// Tracing a ray neither allocates nor throws. Many threads may trace rays at the same time.
 class LensStack {
   public:
-    /// `lens` must have passed check_prescription. `stop_radius_mm` must not be negative. If it is infinite,
-    /// the opening of the stop is the clear radius of its surface.
+    /// `lens` must have passed check_prescription. If `stop_radius_mm` is infinite, the stop opens to its
+    /// clear radius.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }
@@ -56,17 +56,18 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// Traces a ray from the scene to the film. If the ray passes, `ray` becomes the ray behind the last
-    /// surface. If the ray ends at a surface, `ray` becomes the ray in front of this surface. The ray is
-    /// treated as an infinite line, so its origin may be any point on the line. `hits` receives the
-    /// intersections up to the end of the ray. It must be empty or have size() points.
+    /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last surface, or in front of
+    /// the surface where it ends.
+    ///
+    /// The origin may be any point on the ray's line. `hits` receives the intersections. It is empty or has
+    /// size() points.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces a ray from the film to the scene, in the same way as `forward`. direction.z must be negative.
+    /// Traces a ray from the film to the scene, like `forward`. direction.z must be negative.
     RayEnd backward(LensRay& ray, Apertures apertures = Apertures::respected,
                     std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces a ray from the scene to the plane of the stop, ignoring apertures. Returns the intersection
-    /// with this plane, or NaN if the ray ends before the stop.
+    /// Traces a ray to the plane of the stop, ignoring apertures. Returns the intersection, or NaN if the ray
+    /// ends before.
     [[nodiscard]] glm::dvec2 at_stop(LensRay ray) const noexcept;
 
   private:

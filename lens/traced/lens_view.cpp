@@ -12,14 +12,13 @@ using glm::dvec2;
 
 namespace {
 
-/// Number of points of the distortion curve, which maps field tangents to distances from the film centre.
-/// With 257 points, cubic interpolation has a relative error below 1e-7.
+/// Number of points of the distortion curve. Cubic interpolation then has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// A field tangent close to 0, at which the paraxial scale of the film (mm per tangent) is measured.
+/// A field tangent close to 0, for the paraxial scale (mm per tangent).
 constexpr double small_tangent = 1e-4;
 
-// Returns the distance from the film centre at which the ray through the centre of the stop lands. It is
-// negative if that ray is blocked.
+// Returns how far from the film centre the ray through the stop's centre lands, or a negative number if it is
+// blocked.
 double chief_radius_mm(const TracedLens& lens, double depth_m, double tangent) {
     const dvec2 field(0, tangent);
     const std::optional<dvec2> aim = lens.aim_at_stop(depth_m, field);
@@ -52,7 +51,7 @@ LensView::LensView(const Prescription& prescription, const LensViewSettings& set
         .zoom = distance_mm / film.distance_mm};
     const double widest = std::max(settings.half_diagonal_px / geometry_.gain_px, settings.widest_tangent);
     follow_chief_rays(*lens_, widest);
-    // The factor 1.0001 ensures that rounding does not exclude the image corner.
+    // 1.0001 protects the image corner from rounding.
     traced.film_radius_mm = 1.0001 * film_radius_mm(widest);
     lens_.emplace(prescription, traced);
 }
@@ -64,8 +63,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If the radius r does not grow with the tangent, no ray passes the lens at this tangent, and the
-        // image is black there. The curve is then extended linearly, because it must grow to be invertible.
+        // If r does not grow, no ray passes the lens there and the image is black. Linear extension keeps the
+        // curve invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -73,9 +72,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Returns the mean weight of rays over the unit square of (u, v), where blocked rays have weight 0. The
-// weight is integrated over the region of passing rays, which is divided into triangles between its centre
-// and its edge. The region is symmetric, so only one half is integrated, and the result is doubled.
+// Returns the mean weight of rays over the unit square of (u, v). Blocked rays have weight 0. The region of
+// passing rays is divided into triangles around its centre.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -90,17 +88,17 @@ double LensView::light(double tangent) const {
     double sum = 0;
     for (std::size_t j = 0; j + 1 < edge.size(); ++j) {
         const dvec2 a = edge[j] - middle, b = edge[j + 1] - middle;
-        // The mean over the midpoints of the three sides of a triangle integrates second-degree polynomials
-        // exactly.
+        // The mean of the three midpoints integrates second-degree polynomials exactly.
         const double mean =
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
     }
+    // The region is symmetric, and only one half was integrated.
     return 2 * sum;
 }
 
-// Evaluates the distortion curve (film radius over field tangent) by Catmull-Rom interpolation. The curve is
-// an odd function. Beyond its last point, it is extended linearly.
+// Evaluates the distortion curve (film radius over field tangent) by Catmull-Rom interpolation. Beyond its
+// last point, the curve is linear.
 double LensView::film_radius_mm(double tangent) const noexcept {
     const double at = tangent / tangent_step_;
     const std::size_t last = film_radius_.size() - 1;
@@ -126,8 +124,7 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // Finds the interval of the distortion curve that contains the film radius r. Then solves for the tangent
-    // by Newton's method.
+    // Finds the curve's interval that contains r, and then the tangent by Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
     double tangent = tangent_step_ * i;
@@ -141,8 +138,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The image on the film is rotated by 180 degrees, so x changes its sign. y keeps its sign, because its
-    // axis is also reversed: it points down on the raster and up on the film.
+    // The film image is rotated by 180 degrees, so x changes its sign. y does not, because it points down on
+    // the raster and up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

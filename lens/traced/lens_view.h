@@ -1,5 +1,4 @@
-// A real lens whose image is framed like the image of a pinhole, so that each pixel shows the same direction
-// in both images.
+// A real lens framed like a pinhole: each pixel shows the same direction in both images.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -36,32 +35,31 @@ struct ViewRay {
 /// `breathing`, the film is where the focus distance requires it.
 class LensView {
   public:
-    /// Throws Error(wrong_arguments) if the distance or pixel pitch of `settings.film` is out of range. Also
-    /// throws the errors of TracedLens.
+    /// Throws Error(wrong_arguments) if `settings.film` is out of range, and the errors of TracedLens.
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
-    /// Returns the thin lens that has the same focal length, pupil and focus distance as this lens.
+    /// Returns the thin lens with the same focal length, pupil and focus distance.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Returns the paraxial scale of the image, in mm on the film per unit of the field tangent.
+    /// Returns the paraxial scale: mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray whose light reaches a pixel. `tangent` is the direction that this pixel shows in the
-    /// pinhole image. (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns false if the ray
-    /// is blocked. Does not allocate memory.
+    /// Computes a ray whose light reaches the pixel that shows the direction `tangent`. Returns false if the
+    /// ray is blocked.
+    ///
+    /// (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
-    /// Returns the light that a pixel receives from a uniform scene at any distance, relative to the light of
-    /// the centre pixel. `tangent` is the tangent of the angle between the pixel's direction and the axis.
+    /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
+    /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
 
-    /// Returns the distance from the film centre, in mm, at which the chief ray from the direction `tangent`
-    /// lands. `tangent` must not be negative.
+    /// Returns how far from the film centre the chief ray from direction `tangent` >= 0 lands, in mm.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// Inverts the distortion. Returns the direction of the pixel that shows this film point, as tangents in
-    /// camera axes (x right, y up).
+    /// Inverts the distortion. Returns the direction that a film point shows, as tangents in camera axes (x
+    /// right, y up).
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

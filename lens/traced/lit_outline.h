@@ -1,4 +1,4 @@
-// Finds the outline of the region in which light passes through a lens, by testing single rays.
+// Finds the outline of the region in which light passes a lens, by testing single rays.
 #pragma once
 
 #include <algorithm>
@@ -11,10 +11,11 @@
 
 namespace postlens {
 
-/// The outline of the region in which rays pass. The region must be symmetric about x = 0 and star-shaped,
-/// which means that all of it is visible from one inner point. Both are true for an object point on the +y
-/// axis of a rotationally symmetric lens. `passes(p)` tests one ray. `scale` is the approximate width of the
-/// region.
+/// The outline of the region in which rays pass. `passes(p)` tests one ray, and `scale` is the region's
+/// approximate width.
+///
+/// The region must be symmetric about x = 0 and star-shaped. Both are true for an object point on the +y axis
+/// of a rotationally symmetric lens.
 template <class Passes>
 class LitOutline {
   public:
@@ -23,8 +24,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches for the region, beginning at the point `near`. Sets `near` to the centre of the region and
-    /// `edge` to its outline. Returns false if no ray passes.
+    /// Searches for the region, beginning at `near`. Sets `near` to its centre and `edge` to its outline.
+    /// Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);
@@ -36,8 +37,8 @@ class LitOutline {
     }
 
   private:
-    /// Number of bisection steps in the search for the edge. They reduce the initial interval, usually 3
-    /// scale, to 3 scale / 2^18.
+    /// Bisection steps in the search for the edge. They divide the initial interval, usually 3 scale, by
+    /// 2^18.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -46,8 +47,7 @@ class LitOutline {
         return {std::sin(angle), std::cos(angle)};
     }
 
-    // Tests the rays of a coarse grid. Chooses the passing point that is nearest to the mean of all passing
-    // points.
+    // Tests the rays of a coarse grid. Chooses the passing ray nearest to the mean of all passing rays.
     [[nodiscard]] bool search(glm::dvec2& near) const {
         std::vector<glm::dvec2> found;
         glm::dvec2 sum(0);
@@ -82,12 +82,11 @@ class LitOutline {
         }
     }
 
-    // Returns y of the centroid of the region. `edge` is the outline of one half of the region, which is
-    // symmetric about x = 0.
+    // Returns y of the region's centroid. `edge` outlines one of its two symmetric halves.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {
-            // Area and moment of the strip between one side of the outline and the axis of symmetry.
+            // Area and moment of the strip between one outline side and the symmetry axis.
             const glm::dvec2 &a = edge[j], &b = edge[j + 1];
             area += (a.x + b.x) / 2 * (a.y - b.y);
             moment += (a.y - b.y) * (a.x * (2 * a.y + b.y) + b.x * (a.y + 2 * b.y)) / 6;

@@ -5,7 +5,7 @@
 namespace postlens {
 
 /// Rotates p by the rotation that turns +y into the unit vector `axis`. Valid in raster axes and in camera
-/// axes: they differ by a reflection, which has no effect for a rotationally symmetric lens.
+/// axes, because lenses are symmetric about their axis.
 inline glm::dvec2 turned(const glm::dvec2& p, const glm::dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }

@@ -1,4 +1,4 @@
-// Converts a mesh of rays through a lens to an impulse response on the pixel grid.
+// Converts a mesh of rays through a lens to an impulse response.
 #pragma once
 
 #include "lens/response_grid.h"

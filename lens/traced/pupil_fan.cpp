@@ -73,7 +73,7 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A ray of the fan (a node of its mesh), with its landing point on the raster.
+/// A ray of the fan with its landing point on the raster.
 struct Placed {
     dvec2 px{0};     ///< landing point, px relative to the anchor
     dvec2 pupil{0};  ///< same as in the node of the fan
@@ -100,7 +100,7 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Computes the raster position of each node (ray of the fan), and the bounding box of the response.
+    // Computes each ray's raster position and the bounding box of the response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -109,8 +109,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // For a small response, only every second or fourth ring and spoke of the fan is used. The outline still
-    // deviates from the true curve by less than 0.03 px.
+    // Small responses use only every second or fourth ring and spoke. Their outline still has an error below
+    // 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -151,8 +151,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The image of this cell is folded, because rays from different lens zones cross. The cell is added
-        // as two triangles, because the image of a triangle cannot fold.
+        // The image of this cell is folded, because rays of different lens zones cross. The images of two
+        // triangles cannot fold.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

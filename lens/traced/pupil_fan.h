@@ -1,5 +1,4 @@
-// A fan of rays from one object point: how the light of the point is distributed over the pupil. Rays are
-// arranged in rings, and the outermost ring lies on the edge of the pupil.
+// A fan: the rays of one object point through the pupil, arranged in rings.
 #pragma once
 
 #include <array>
@@ -13,9 +12,10 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis. Each ray is a node of a mesh of rings and spokes. The mesh covers
-/// the part of the pupil that passes light, from its centre to its edge. Nodes with x < 0 are mirror images
-/// and are not stored. Between nodes, all values are interpolated linearly.
+/// Rays of an object point on the +y axis, as a mesh of rings and spokes. The mesh covers the lit part of the
+/// pupil, from its centre to its edge.
+///
+/// Nodes with x < 0 are mirror images and are not stored. Between nodes, values are interpolated linearly.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
@@ -36,10 +36,11 @@ struct PupilFan {
     }
 };
 
-/// Traces the rays of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. An inverse
-/// depth of 0 means infinitely far, and a negative one means converging light. The search for the lit part of
-/// the pupil begins at `near_m`, which receives the centre of that part. Returns false and leaves `out`
-/// unchanged if no light passes.
+/// Traces the fan of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. An inverse depth
+/// of 0 means infinitely far, and a negative one means converging light.
+///
+/// The search for the lit part of the pupil begins at `near_m`, which receives its centre. Returns false and
+/// leaves `out` unchanged if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
@@ -52,12 +53,11 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// Returns the largest distance, in px, between the pinhole image of the object point (`centre_px`) and the
-/// light of the response.
+/// Returns the largest distance, in px, between the object point's pinhole image and the response's light.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the image of
-/// the cell. Small responses use fewer cells. Values add up to 1, except for the part outside `window`.
+/// Computes the response on the pixel grid. Each mesh cell's light is spread uniformly over the cell's image.
+/// Values add up to 1, except for light outside `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

@@ -24,8 +24,7 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
                            const Prescription& lens) {
     if (!settings.f_number) return wide_open.stop_radius_mm;
     const double n = *settings.f_number;
-    // The program displays f-numbers with four digits. The tolerance accepts a displayed number that was
-    // rounded down.
+    // The program displays f-numbers with four digits. The tolerance accepts numbers that were rounded down.
     constexpr double rounding = 5e-4;
     if (!(n >= wide_open.f_number * (1 - rounding)) || !std::isfinite(n)) {
         fail(ExitCode::wrong_arguments,
@@ -76,8 +75,7 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // To explain the failure, the message names the surface at which a ray at 0.7 of the pupil radius
-        // ends.
+        // The message names the surface at which a ray at 0.7 of the pupil radius ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -92,8 +90,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // Depths and tangents are measured from the pinhole, which does not move during focusing. The pupil moves
-    // with the lens, so it sees a near object point in a direction other than `field`.
+    // Depths and tangents are measured from the pinhole, which does not move with focus. The pupil does, so
+    // it sees a near object point in another direction.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -110,8 +108,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Finds the pupil point whose ray passes through the centre of the stop, by the secant method. Steps are
-    // limited to one pupil radius, because rays aimed farther away miss the lens.
+    // Finds the pupil point whose ray passes through the stop's centre, by the secant method. Steps are at
+    // most one pupil radius, because rays aimed farther away miss the lens.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -129,9 +127,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, so the direct search can fail. The pupil is
-    // then followed from the axis outwards, in equal steps of the angle. Each search starts at a linear
-    // extrapolation of the previous two results.
+    // In a wide-angle lens, the pupil moves with the field angle, and the direct search can fail. The search
+    // then proceeds from the axis outwards, in equal steps of the angle.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -159,9 +156,8 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // Moves z to the smallest rms spot. The rays lie in one meridian, at equal steps of the pupil radius
-        // y. Each ray represents a ring whose area is proportional to y, so y is its weight. The object
-        // distance is measured from the pupil here, not from the pinhole as in object_ray.
+        // Moves z to the smallest rms spot, for rays at equal steps of the pupil radius y. The weight of a
+        // ray is y, because it represents a ring.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -200,10 +196,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // Let x be the distance of the object from the front focal point, and x' that of the image from the rear
-    // one. If the object is in focus, x x' = n' efl^2, so x + x' is at least 2 sqrt(n') efl. The lens moves
-    // between a fixed object and a fixed film, so x + x' is given. If it is below this limit, the object
-    // cannot be brought into focus.
+    // The lens moves between a fixed object and a fixed film, so their distance is given. If it is too short,
+    // no position of the lens focuses the object: x x' = n' efl^2 makes x + x' at least 2 sqrt(n') efl. x and
+    // x' are the distances from the two focal points.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -213,9 +208,8 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the extension e, the distance by which the lens moves
-    // towards the object. film(d) is the film position at which an object at distance d is sharp. film(s - e)
-    // grows with e, so the iteration from e = 0 converges from below.
+    // Solves e = film(s - e) - film(infinity) for the lens extension e. film(d) is the film position at which
+    // distance d is sharp. The iteration converges from below, because film(s - e) grows with e.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -234,7 +228,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
     const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
     const double z = stack_.last_vertex_z_mm();
     const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
-    // The region of passing rays is symmetric about x = 0, so the grid covers only x >= 0.
+    // The region of passing rays is symmetric, so the grid covers only x >= 0.
     constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
     std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
     const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
@@ -247,8 +241,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Uses only the largest connected group of passing rays. If a prescription gives no clear radii, other
-    // rays can pass as well, although the mount of a real lens would block them.
+    // Uses only the largest connected group of passing rays. The mount of a real lens would block the others.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -274,7 +267,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The edge of the region is less than one grid step beyond the outermost grid point whose ray passes.
+    // The region's edge is less than one step beyond the outermost passing ray.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -282,8 +275,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // `beam` is the width, in the plane of the last surface, of all rays from the paraxial exit pupil to the
-    // film. The search for passing rays begins in a square of half width `widest` in this plane.
+    // Width, in the last surface's plane, of all rays from the paraxial exit pupil to the film.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -294,8 +286,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search tests a coarse grid in the whole square, and returns the rectangle in which rays
-        // pass. Up to three further searches test a grid in this rectangle, and make it tighter.
+        // The first search covers the whole square coarsely. Up to three further searches refine the
+        // rectangle of passing rays.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -314,8 +306,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // E0 is the irradiance at the centre of the film for a scene of radiance 1. The midpoint rule has a
-    // relative error of about 1 / nodes^1.5, because the edge of the pupil cuts cells of the grid.
+    // E0 is the irradiance at the film centre for a scene of radiance 1. The error of the sum is about 1 /
+    // nodes^1.5, because the pupil's edge cuts grid cells.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -386,15 +378,14 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near the paraxial pupil, because strong aberrations have moved the pupil. The search
-        // now covers all rays that meet the first surface.
+        // Strong aberrations have moved the pupil. Searches all rays that meet the first surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search, within the rectangle of passing rays, makes the mesh of rays fit them tightly.
+    // A second search makes the rectangle of passing rays tight.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -409,9 +400,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // The weight of a ray is the solid angle, seen from the object point, per area of the pupil plane:
-        // cos^3 / depth^2, where cos is the cosine of the ray's angle from the axis. It is divided by the
-        // weight of the ray through the centre of the pupil.
+        // Solid angle per area of the pupil plane, seen from the object point: cos^3 / depth^2. It is
+        // relative to the ray through the pupil's centre.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

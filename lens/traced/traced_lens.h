@@ -1,5 +1,4 @@
-// A real lens that is set to a focus distance and an f-number. Computes rays between the film and the scene,
-// and the impulse response of a scene point.
+// A real lens that is focused and stopped down: its rays between film and scene, and its impulse responses.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +23,8 @@ enum class FocusMove {
 };
 
 struct TracedLensSettings {
-    /// Focus distance s > 0, measured from the pinhole (see TracedLens). It may be infinite. If it is absent,
-    /// the film is at the distance that the prescription gives. If the prescription gives none, the lens is
-    /// focused at infinity.
+    /// Focus distance s > 0 from the pinhole, may be infinite. If absent, the film is where the prescription
+    /// places it, or at infinity focus.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -42,8 +40,8 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// The impulse response of one object point, as a mesh of rays through a grid of points of the entrance
-/// pupil. A mesh that is filled again reuses its memory.
+/// An object point's impulse response, as a grid of rays through the entrance pupil. A mesh that is filled
+/// again reuses its memory.
 struct PupilMesh {
     int nodes = 0;                     ///< along each side; node (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
@@ -75,15 +73,13 @@ class TracedLens {
     [[nodiscard]] const TracedLensSettings& settings() const { return settings_; }
     [[nodiscard]] double f_number() const { return f_number_; }
     [[nodiscard]] double wavelength_nm() const { return wavelength_nm_; }
-    /// Returns z of the film, measured from the pinhole. This is the film distance of the equivalent pinhole
-    /// camera.
+    /// Returns z of the film, measured from the pinhole: the film distance of the equivalent pinhole camera.
     [[nodiscard]] double film_z_mm() const { return film_from_vertex_mm_ - pinhole_from_vertex_mm_; }
-    /// Returns the distance from the vertex of the last surface to the film.
+    /// Distance from the last surface's vertex to the film.
     [[nodiscard]] double film_distance_mm() const { return film_from_vertex_mm_ - stack_.last_vertex_z_mm(); }
-    /// Returns z of the pinhole, measured from the vertex of the first surface of the lens.
+    /// z of the pinhole, measured from the first surface's vertex.
     [[nodiscard]] double pinhole_from_vertex_mm() const { return pinhole_from_vertex_mm_; }
-    /// Returns the distance by which focusing has moved the lens towards the scene. It is 0 with
-    /// FocusMove::film.
+    /// How far focusing has moved the lens towards the scene. It is 0 with FocusMove::film.
     [[nodiscard]] double extension_mm() const { return extension_mm_; }
 
     /// Computes the ray that reaches the film at `film_mm` through a point of the pupil. (u, v) in [0, 1)^2
@@ -98,22 +94,24 @@ class TracedLens {
     /// and Z is the distance of its plane from the film. theta is the angle between ray and axis. n' is the
     /// refractive index in front of the film. The irradiance includes vignetting and the fall-off of light.
     [[nodiscard]] bool scene_ray(glm::dvec2 film_mm, glm::dvec2 uv, SceneRay& out) const noexcept;
-    /// Returns E0, in sr: the irradiance at the centre of the film divided by the radiance of a uniform
-    /// scene. At f-number n it is about pi / (4 n^2).
+    /// Returns E0, in sr: the irradiance at the film centre per radiance of a uniform scene. At f-number n,
+    /// it is about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
     /// Traces the impulse response of a point in the direction `field` = (x/z', y/z') from the pinhole.
-    /// depth_m must be positive and may be infinite. The mesh has nodes^2 rays, with 2 <= nodes <= 4096, in a
-    /// rectangle of the pupil plane that contains all passing rays. Returns false if no ray passes.
+    /// depth_m > 0 may be infinite. Returns false if no ray passes.
+    ///
+    /// `nodes`^2 rays (2 to 4096 per side) cover a rectangle of the pupil plane that contains all passing
+    /// rays.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
-    /// Returns the ray from an object point through a point in the plane of the entrance pupil. The ray is in
-    /// front of the first surface and in the frame of the lens.
+    /// Returns the ray from an object point through a point of the entrance pupil's plane. The ray lies in
+    /// front of the lens, in its frame.
     [[nodiscard]] LensRay object_ray(double depth_m, glm::dvec2 field, glm::dvec2 pupil_mm) const noexcept;
-    /// Finds the point in the plane of the entrance pupil whose ray passes through the centre of the stop
-    /// [welford1986, 5]. The result is empty if there is no such point.
+    /// Finds the point of the entrance pupil's plane whose ray passes through the stop's centre [welford1986,
+    /// 5]. The result is empty if there is none.
     [[nodiscard]] std::optional<glm::dvec2> aim_at_stop(double depth_m, glm::dvec2 field) const noexcept;
-    /// Returns the point where a ray behind the last surface, in the frame of the lens, meets the film.
+    /// Returns the point where a ray behind the lens meets the film.
     [[nodiscard]] glm::dvec2 on_film(const LensRay& ray) const noexcept {
         return ray.at_z(film_from_vertex_mm_);
     }

@@ -1,5 +1,4 @@
-// Finds the f-numbers at which the blur by diffraction becomes wider than the blur by defocus, or than a
-// pixel.
+// Finds the f-numbers at which diffraction becomes wider than defocus blur or than a pixel.
 #pragma once
 
 #include <vector>

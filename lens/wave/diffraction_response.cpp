@@ -14,8 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1 for RadialEnergy, one for each of its two step sizes. Each
-/// table is long enough for the largest radius that is needed at its step.
+/// Tables of the Bessel functions J_0 and J_1, one for each step size of RadialEnergy.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -64,7 +63,7 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes of the grids and tables for one depth. They are computed before any memory is allocated.
+/// Sizes of the grids and tables for one depth, computed before memory is allocated.
 struct Plan {
     double radius_px = 0;
     ResponseGrid window;  ///< only its size, without values
@@ -88,8 +87,7 @@ Plan plan_of(double coc_px, const std::vector<WaveScale>& scales, const Diffract
     return plan;
 }
 
-/// Sets pixels beyond the circle to 0. Otherwise the square shape of the grid would be visible around bright
-/// points.
+/// Sets pixels beyond the circle to 0. Otherwise bright points would show the square grid.
 void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseGrid& grid) {
     const auto nearest = [](double begin) { return begin > 0 ? begin : begin < -1 ? begin + 1 : 0.0; };
     for (int j = 0; j < grid.height; ++j) {
@@ -118,7 +116,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // All sizes are computed before anything is allocated, so that insufficient memory is reported early.
+    // Computes all sizes first, so that insufficient memory is reported early.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

@@ -1,5 +1,4 @@
-// Computes impulse responses of a circular aperture with diffraction, on the pixel grid and for many depths
-// at once.
+// Computes impulse responses of a circular aperture with diffraction, for many depths at once.
 #pragma once
 
 #include <array>
@@ -16,20 +15,21 @@ namespace postlens {
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
-    /// Largest fraction of the energy, between 0 and 1, that may lie beyond the edge of the grid. The energy
-    /// beyond a radius decreases only as 1 / radius, so a small fraction needs a large grid. With 0.01, the
-    /// grid of a strongly defocused response ends about 10 lambda V/D outside the disc, for wavelength
-    /// lambda, film distance V and aperture diameter D.
+    /// Largest fraction of the energy, between 0 and 1, beyond the edge of the grid. Energy decreases only as
+    /// 1 / radius, so a small fraction needs a large grid.
+    ///
+    /// At 0.01, the grid ends about 10 lambda V/D outside a strongly defocused disc (wavelength lambda, film
+    /// distance V, aperture diameter D).
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
-    /// If true, the energy beyond the grid is added to the pixels in proportion to their energy, so that the
-    /// sum is 1. If false, that energy is lost, and the sum is 1 - loss.
+    /// If true, the energy beyond the grid is distributed over its pixels, in proportion to their values. The
+    /// sum is then 1, else 1 - loss.
     bool fold_tail = true;
     PixelEnergySettings pixels;
 };
 
-/// The impulse responses of the three colour channels at one depth. All three grids cover the same pixels.
-/// Pixels completely outside the circle of radius `radius_px` around the response's centre are 0.
+/// The impulse responses of the three colour channels at one depth, on the same pixels. Pixels outside the
+/// circle of `radius_px` are 0.
 struct ChannelResponses {
     std::array<ResponseGrid, 3> channel;
     std::array<double, 3> loss{};  ///< fraction of the energy beyond the grid, even with fold_tail
@@ -48,9 +48,11 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. Solves (2/pi)
-/// v/(v^2 - u^2) = tail. This formula averages over fringes, so v can be too small by up to one fringe. Near
-/// the edge of the geometric disc, at v = |u|, the formula overestimates the energy, so v is too large.
+/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. It solves
+/// (2/pi) v/(v^2 - u^2) = tail.
+///
+/// v can be too small by one fringe, because the formula averages over fringes. Near the geometric edge v =
+/// |u|, it is too large.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

@@ -65,8 +65,7 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // The disc must have an area, so smaller radii, including 0, are replaced by this value. The larger disc
-    // is still far smaller than a pixel.
+    // Smaller radii are replaced by this one, because the disc must have an area.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -86,8 +85,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // At the optical radius v, a sample of the radial profile takes about v steps to compute. The total
-    // number of steps is limited, so that the profile takes at most a few seconds.
+    // A sample at the optical radius v takes about v steps to compute. The limit keeps the profile below a
+    // few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -98,8 +97,8 @@ std::vector<double> profile_radii(double half_px, double v_per_px) {
     return radii;
 }
 
-/// Returns the full width at half maximum, which is twice the largest radius at which the intensity is half
-/// of its maximum. Between samples of the profile, values are interpolated linearly.
+/// Returns the full width at half maximum: twice the largest radius at which the intensity is half its
+/// maximum. Samples are interpolated linearly.
 std::optional<double> full_width(const std::vector<RadialSample>& profile) {
     const auto by_intensity = [](const RadialSample& a, const RadialSample& b) {
         return a.intensity < b.intensity;
@@ -127,8 +126,7 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Returns an upper bound of the memory, in bytes, for the response and two temporary arrays: the energy flow
-/// through the pixel borders, and one quadrant of that flow.
+/// Returns an upper bound of the memory, in bytes, for the response and two temporary arrays.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -140,20 +138,19 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity of the disc, 1 / (pi R^2) with R = u / v_per_px, relative to the peak in focus,
-        // v_per_px^2 / (4 pi). Both are per px^2.
+        // Intensity of the disc relative to the peak in focus: 1 / (pi R^2) over v_per_px^2 / (4 pi), with R
+        // = u / v_per_px.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
-/// Computes the response of an aperture of any shape. No radial profile is made, because the response is not
-/// round.
+/// Computes the response of any aperture. It is not round, so there is no radial profile.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens (|q| = 1) lands on the edge of the circle of confusion, so the scale
-    // of the map is the radius of this circle.
+    // The lens rim (|q| = 1) maps to the edge of the circle of confusion, so the scale is this circle's
+    // radius.
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -204,9 +201,8 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid in px, which is odd. The grid contains all light of a geometric
-/// response, which ends at `farthest_px` from the centre. With diffraction, it contains about 99 % of the
-/// light. A response wider than largest_own_size_px is cut off.
+/// Returns the default width of the grid in px, which is odd. The grid contains all geometric light, which
+/// ends at `farthest_px`, and about 99 % of diffracted light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
@@ -243,9 +239,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Spherical aberration X (in 1/m) adds X rho^2 to the defocus 1/s - 1/z of light through the lens at rho
-    // lens radii from its centre. spherical_px is the displacement that this causes at the rim: X times image
-    // distance and lens radius.
+    // Displacement of light through the lens rim by spherical aberration X (1/m), which adds X rho^2 to the
+    // defocus at lens radius rho.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

@@ -26,9 +26,10 @@ using Spectrum = std::vector<SpectralLine>;
 /// four lines, because a single line would cause fringes that no camera shows.
 [[nodiscard]] Spectrum channel_bands();
 
-/// Returns a spectrum in which all wavelengths have the same weight in every channel. Throws
-/// Error(wrong_arguments) if the list is empty, if it has more than 64 wavelengths, or if `check_wavelength`
-/// rejects a wavelength.
+/// Returns a spectrum in which all wavelengths have equal weight in every channel.
+///
+/// Throws Error(wrong_arguments) for an empty list, more than 64 wavelengths, or one that `check_wavelength`
+/// rejects.
 [[nodiscard]] Spectrum equal_lines(std::span<const double> wavelengths_nm);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// Computes the optical coordinates of diffraction, u (defocus) and v (radius), from the lens, the film and
-// the wavelength.
+// Computes the optical coordinates of diffraction: u (defocus) and v (radius).
 #pragma once
 
 #include "lens/focus_geometry.h"
@@ -17,23 +16,23 @@ struct WaveScale {
 /// longest_wavelength_nm].
 void check_wavelength(double wavelength_nm);
 
-/// Largest accepted |u| (defocus). Beyond it, diffraction fringes are narrower than a millionth of the disc,
-/// so the geometric disc is accurate.
+/// Largest accepted |u| (defocus). Beyond it, fringes are narrower than a millionth of the disc, and the
+/// geometric disc is accurate.
 inline constexpr double largest_u = 1e6;
 
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns u and v_per_px for a thin lens that is focused at distance s, with its film at the distance V
-/// where s is sharp. u is v_per_px times the radius, in px, of the circle of confusion, so the geometric disc
-/// ends at v = |u|. The focus distance must exceed the focal length, and the f-number must be finite.
+/// Returns u and v_per_px for a thin lens focused at distance s. The focus distance must exceed the focal
+/// length, and the f-number must be finite.
+///
+/// u is v_per_px times the radius of the circle of confusion in px. So the geometric disc ends at v = |u|.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns u and v_per_px for a lens that is applied to a traced image. v_per_px is 2 pi a / (lambda g),
-/// where a is the aperture radius, lambda the wavelength, and g (`gain_px`) the film distance in px. u is
-/// v_per_px times half of `coc_diameter_px`. With framing `keep`, the film distance is that of the trace.
-/// With framing `breathing`, the film is where the focus distance is sharp.
+/// Returns u and v_per_px for a lens that is applied to a traced image. u is v_per_px times half of
+/// `coc_diameter_px`. v_per_px is 2 pi a / (lambda g), with aperture radius a, wavelength lambda and film
+/// distance g (`gain_px`).
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
