@@ -29,9 +29,8 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted value of Crossing::most_mse, an upper bound of the error where groups cross. The actual
-/// errors are much smaller. At this limit, the measured PSNR over the pixels that the group touches is at
-/// least 45 dB.
+/// Largest accepted Crossing::most_mse, the error bound where groups cross. At this limit, the measured PSNR
+/// is at least 45 dB, because actual errors are much smaller.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -49,8 +48,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // In static pixels, lightfield and auto blend the images of all recorded instants, because shadows
-        // and lights may move. `convolve` uses the records of the frame's time only.
+        // lightfield and auto blend static pixels of all recorded instants, because shadows and lights may
+        // move.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -68,8 +67,7 @@ class MotionBlur {
     }
 
   private:
-    // Returns whether the exposure is exactly the instant of the frame. The recorded image is then the
-    // result.
+    // Returns whether the exposure is the frame's instant. The recorded image is then the result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
     }
@@ -88,14 +86,13 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Keeps only those bands of rows in memory that contain an object of `only` (any object, if it is
-        // empty). Neighbouring bands share a row. An object in this row keeps both bands in memory.
+        // Keeps only the bands in memory that contain an object of `only`. If `only` is empty, any object
+        // counts.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // Objects are also classified from the records of other instants, where an object may move
-        // differently, or which alone may contain it.
+        // At other instants, an object may move differently, or be recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -167,21 +164,20 @@ class MotionBlur {
         }
     }
 
-    // Returns whether the border of the recorded area cuts off an object at the frame's instant. Convolution
-    // uses only the records of this instant, so it cannot show the missing part. The light field method also
-    // uses the other recorded instants.
+    // Returns whether the border of the records cuts an object at the frame's instant. Convolution cannot
+    // show the missing part; the light field finds it at other instants.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns whether shading, shadows or reflections may change between the recorded instants. Convolution
-    // cannot show such changes, because it only uses the records of the frame's instant.
+    // Returns whether shading, shadows or reflections may change between recorded instants. Convolution uses
+    // only one instant, and cannot show this.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
     }
 
-    // Returns the rows of the raster in which a moving group is recorded or over which it passes.
+    // Rows of the raster over which a moving group passes.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -189,8 +185,7 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows accounts for the size of samples and raster cells. A sample represents a
-        // quarter of a quadtree leaf, and a cell extends half a cell beyond its centre.
+        // The margin of 2 rows covers a quarter of a leaf and half a raster cell.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -198,9 +193,8 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Groups the objects to convolve, and finds the surfaces in the rows over which they move. With the
-    /// method `automatic`, the light field method blurs those groups for which depth slices would be
-    /// inaccurate (why_not_sliced).
+    /// Groups the objects to convolve, and finds the surfaces in their rows. With `automatic`, groups for
+    /// which depth slices are inaccurate are left to the light field.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -260,8 +254,8 @@ class MotionBlur {
         });
     }
 
-    /// Convolves all groups. With the method `automatic`, the light field method later redraws a group that
-    /// crosses another one, if the error of the convolution may exceed `most_crossing_mse`.
+    /// Convolves all groups. With `automatic`, groups that cross others with a large error are later redrawn
+    /// by the light field.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -291,8 +285,8 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so no static pixel shows the background. fill_behind then
-            // takes the background from the views, which must cover the whole image and not only the crop.
+            // Moving objects cover every pixel. The background then comes from the views, which must cover
+            // the whole image.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -314,9 +308,8 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the colours of the background behind moving objects, interpolated from static pixels. If there
-    // are no static pixels, the colours are interpolated from the pixels in which at least one view shows a
-    // recorded surface.
+    // Returns the background behind moving objects, interpolated from static pixels. Without static pixels,
+    // it comes from the pixels in which a view shows a recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -344,14 +337,13 @@ class MotionBlur {
         if (!unseen.possible()) return;
         bands_.need_all();
         for (const RecordBand& band : bands_.bands()) {
-            // Leaves out the last row of the band, because it is also the first row of the next band.
+            // The band's last row is also the next band's first row.
             unseen.add(band, band.y_begin, band.y_end - 1);
         }
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds the ids of objects that move in the world but have no records. They may still be visible in
-    // mirrors and glass.
+    // Adds objects that move but have no records. They may be visible in mirrors and glass.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -365,8 +357,7 @@ class MotionBlur {
         return moving;
     }
 
-    // Warns of moving objects that are recorded only at instants other than the frame's. The method convolve
-    // ignores these objects.
+    // Warns of moving objects that `convolve` ignores, because the frame's instant does not show them.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
@@ -403,7 +394,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The duration is infinite or NaN if a time is infinite, or if the subtraction overflows.
+    // False for infinite times and if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -1,4 +1,4 @@
-// Computes the image of a sample file with motion blur: the recorded objects move while the shutter is open.
+// Computes the motion-blurred image of a sample file.
 #pragma once
 
 #include <optional>
@@ -29,9 +29,8 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute. Pixels outside of it are undefined. Pixels within it are
-    /// bit-identical to those of the whole image. The shares in MotionBlurResult are fractions of the crop's
-    /// pixels. Only the method lightfield becomes faster with a crop.
+    /// The part of the image to compute; other pixels are undefined. Its pixels are bit-identical to those of
+    /// the whole image. Shares in MotionBlurResult refer to it. Only lightfield gets faster.
     std::optional<Crop> crop;
 };
 
@@ -49,8 +48,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices of convolve
-    /// The path that convolve uses: its number of points, the number of knots of the spline fitted to it (0
-    /// if none), and the error of the fit.
+    /// The path that convolve uses: its number of points, the knots of the spline fitted to it (0 if none),
+    /// and the error of the fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;
@@ -69,10 +68,11 @@ struct MotionBlurResult {
 /// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Computes the image of a sample file with motion blur. The result is bit-identical for any number of
-/// threads. If nothing moves between the recorded instant and the exposure, the result is bit-identical to
-/// the pinhole image. Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths
-/// of unknown ids and for a damaged file, and Error(out_of_memory).
+/// Computes the motion-blurred image of a sample file. It is bit-identical for any number of threads. If
+/// nothing moves, it is bit-identical to the pinhole image.
+///
+/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for damaged files or paths
+/// of unknown ids, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

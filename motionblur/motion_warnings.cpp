@@ -17,9 +17,8 @@ namespace {
 
 using glm::dvec3;
 
-// Number of instants at which shadows and lights are tested: the time of the frame, and the ends of 17 equal
-// steps of the exposure. The number of steps is prime, so that few repeated motions are in the same phase at
-// all instants.
+// Instants at which shadows and lights are tested: the frame's time, and the ends of 17 equal steps of the
+// exposure. 17 is prime, so repeated motions are rarely in phase with it.
 constexpr int shadow_instants = 1 + 18;
 constexpr int shadow_step_px = 4;
 
@@ -27,9 +26,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Returns whether the surface at `r` reflects or transmits an object that moves differently from this
-/// surface. Motion blur cannot show this, because it moves reflected and transmitted objects together with
-/// the surface.
+/// Returns whether the surface at `r` reflects or transmits an object that moves differently from it. Motion
+/// blur cannot show this, because it moves reflections with the surface.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -38,9 +36,8 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of all surfaces that the
-/// ray, its reflections and its refractions hit. Surfaces that are hidden from the pinhole (layers above 0)
-/// are left out.
+/// Calls tree(first, end) for each eye ray of a pixel, with the records of all surfaces it hits. Surfaces
+/// hidden from the pinhole (layers above 0) are left out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -53,8 +50,8 @@ void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree
     }
 }
 
-/// Counts the pixels for which `concerned` is true. Only every `step`th pixel along each axis is tested, in
-/// the rows [y_begin, y_end) of a band.
+/// Counts the pixels for which `concerned` is true, in rows [y_begin, y_end). Only every `step`th pixel along
+/// each axis is tested.
 template <typename Concerned>
 std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int y_begin, int y_end, int step,
                            const Concerned& concerned) {
@@ -90,7 +87,7 @@ double instant(const SampleHeader& h, const Exposure& e, int i) {
     return i == 0 ? h.time_s : e.open_s + (e.close_s - e.open_s) * (i - 1) / (shadow_instants - 2);
 }
 
-/// Returns whether something moves during the exposure, or between the frame's instant and the exposure.
+/// Returns whether something moves during the exposure, or between it and the frame's instant.
 bool moves(const MotionPath& path, const SampleHeader& h, const Exposure& e) {
     return path.moves(std::min(e.open_s, h.time_s), std::max(e.close_s, h.time_s));
 }
@@ -139,13 +136,13 @@ bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& spher
     return glm::dot(off, off) < sphere.radius * sphere.radius;
 }
 
-/// Returns the direction from the centre of an object to the light at instant i, in the object's own frame.
+/// Returns the direction from an object to the light at instant i, in the object's frame.
 dvec3 direction_to(const MovingLight& light, const MovingSphere& object, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - object.centre[i];
     return way * object.rotation[i];  // the transpose of the rotation times `way`
 }
 
-/// Returns whether an object's shading changes visibly because the object turns or moves relative to a light.
+/// Returns whether an object's shading changes visibly, because it moves relative to a light.
 bool is_relit(const MovingSphere& object, const std::vector<MovingLight>& lights) {
     constexpr double least_degrees = 15;
     for (const MovingLight& light : lights) {
@@ -176,7 +173,7 @@ class ShadowTest {
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
     /// Returns whether there are lights and moving objects.
     [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
-    /// Returns the sorted ids of objects whose shading changes because they turn or move past a light.
+    /// Sorted ids of objects whose shading changes, because they move relative to a light.
     [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }
     [[nodiscard]] bool operator()(const Record& r) const {
         if (r.id == 0 || std::isinf(r.z)) return false;
@@ -207,8 +204,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// The border of the recorded area may cut off a part of an object. Returns whether the cut moves into the
-/// frame when `map` moves the object's records from the recorded instant to another instant.
+/// Returns whether an object's cut edge moves into the frame. The border of the recorded area cuts it, and
+/// `map` moves it from the recorded instant to another.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -219,8 +216,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, cut-off objects already end at the border of the frame. They count only if the
-        // cut edge moves into the frame by more than this margin.
+        // Without overscan, cut objects already end at the frame's border. A larger movement of the edge
+        // counts.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -338,8 +335,7 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // Skips t if the object is recorded neither at the frame's time nor at the recorded instants just
-        // before and after t. The object is not visible then, so no part of it is missing.
+        // Skips t if no used record shows the object: it is not visible then.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -358,8 +354,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, all objects move, and each surface that fills the frame would cause a warning.
-        // For lightfield, the warning "uncovered" reports what is missing.
+        // If the camera moves, every surface that fills the frame would warn. For lightfield, "uncovered"
+        // reports what is missing.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

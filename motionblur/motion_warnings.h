@@ -1,5 +1,4 @@
-// Warns about effects that cannot be shown by moving the recorded surfaces. Each warning states the affected
-// share of the image.
+// Warns about effects that moved records cannot show.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +24,7 @@ namespace postlens {
 /// Check `possible` first. If it is true, add all rows of the frame, and then get the warnings.
 class UnseenMotion {
   public:
-    /// `moving` contains the sorted ids of the objects that move on the raster. `header` must outlive this
-    /// object.
+    /// `moving` contains the sorted ids of objects that move. `header` must outlive this object.
     UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
     ~UnseenMotion();
     UnseenMotion(const UnseenMotion&) = delete;
@@ -44,22 +42,21 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" for pixels in which more than 1 % of the light is unknown. `unknown` contains
-/// this share for each pixel. Smaller shares are ignored, because a single view's sample may fall into a tiny
-/// gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of affected
-/// pixels.
+/// Adds the warning "uncovered" for pixels in which more than 1 % of the light is unknown. Smaller shares are
+/// ignored: a single view may see a tiny gap between quadtree leaves.
+///
+/// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts off an object at any time t of the exposure. An
-/// object is not cut off at t if all of it is in the records of the frame's time, or in those of the recorded
-/// instant just before or after t. `instants` contains the bounding boxes of the objects at the recorded
-/// instants that may be used, beginning with the frame's time.
+/// Returns whether the border of the records cuts an object at any time of the exposure. The object counts as
+/// whole if the frame's records or those of a neighbouring instant show all of it.
+///
+/// `instants` contains the objects' bounding boxes at the usable instants, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (`is_cut`).
-/// Objects that lightfield blurs are tested with all recorded instants, and not at all if the camera moves.
-/// Other objects are tested with the records of the frame's time only.
+/// Adds the warning "overscan" for moving objects that the border of the records cuts (`is_cut`). Objects
+/// that lightfield blurs are tested with all instants, and not at all if the camera moves.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Adds a band of an image, multiplied by its weight `share`, to `sum`, and adds `share` to `weight`. Skips
-/// pixels with a nonzero entry in `hidden`.
+/// Adds a band of an image, times `share`, to `sum`, and `share` to `weight`. Skips pixels marked in
+/// `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -30,8 +30,7 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The records at the four corners of a pixel are stored with this pixel and with its right, lower and lower
-// right neighbours.
+// The records of a pixel's corners are stored with it and its right, lower and lower right neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

@@ -1,4 +1,4 @@
-// Images of the recorded instants. They are used for pixels over which nothing moves.
+// Images of the recorded instants, for pixels over which nothing moves.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,17 @@
 
 namespace postlens {
 
-/// Returns 1 for a pixel of the frame if an object of `ids` (sorted) is directly visible in it or in its
-/// neighbours to the right and below, and otherwise 0. Pixels in bands that are not in memory get 0.
+/// Marks the pixels in which an object of `ids` (sorted) is directly visible, or in their neighbours to the
+/// right and below. Bands that are not in memory get 0.
 [[nodiscard]] std::vector<std::uint8_t> pixels_showing(const SampleHeader& header,
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces each pixel over which nothing moves (`touched` is 0) by a weighted mean of the images of all
-/// recorded instants, because shadows and lights may move over static surfaces. `shares` contains the weight
-/// of each instant, which is its share of the exposure.
+/// Replaces each pixel over which nothing moves by the mean of all recorded instants, because shadows and
+/// lights may move over it. `shares` contains the weights of the instants.
 ///
-/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. An instant does not count
-/// in the mean of a pixel that shows such an object at this instant. If no instant counts, the pixel does not
-/// change.
+/// `elsewhere` contains the sorted ids of objects drawn separately. Instants at which a pixel shows one of
+/// them do not count there. Without other instants, the pixel does not change.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

@@ -1,5 +1,4 @@
-// Blurs a moving object by convolving its image with the image of its path [potmesil1983]. Each cell of the
-// path's image contains the fraction of the exposure that the path spends in this cell.
+// Blurs a moving object by convolving its image with the image of its path [potmesil1983].
 #pragma once
 
 #include <optional>
@@ -9,17 +8,15 @@
 
 namespace postlens {
 
-/// Several planes of floats. Each plane has a value for every cell of a window (rectangle of the raster), row
-/// by row. All values outside of the window are 0.
+/// Several planes of floats over a window of the raster, row by row. All values outside the window are 0.
 struct Planes {
     int x_begin = 0, y_begin = 0, width = 0, height = 0;
     std::vector<std::vector<float>> planes;
 };
 
-/// Method of convolving an object's raster with the raster of its path.
-/// - direct: sums over the cells of the path. A run of equal weights along a row or column is added in one
-///   step.
-/// - fft: multiplies Fourier transforms. The result is computed in blocks if that is cheaper.
+/// Method of convolving an object's raster with its path's raster.
+/// - direct: sums over the cells of the path. A run of equal weights is added in one step.
+/// - fft: multiplies Fourier transforms, in blocks if that is cheaper.
 /// - automatic: the method with the shorter predicted time.
 enum class ConvolutionMethod { automatic, direct, fft };
 
@@ -40,11 +37,11 @@ enum class ConvolutionMethod { automatic, direct, fft };
                               ConvolutionMethod* used = nullptr,
                               const std::optional<CellWindow>& wanted = std::nullopt);
 
-/// Convolves i1 with i2 cell by cell, as in the definition, in double precision. Used by tests.
+/// Slow reference of `convolve` for tests: sums cell by cell in double precision.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
-/// Predicted times of the methods direct and fft on one thread, in seconds, for the computer described in
-/// docs/performance.md. The method `automatic` compares these times.
+/// Predicted times of both methods on one thread, in seconds. They hold for the computer described in
+/// docs/performance.md.
 struct ConvolutionCosts {
     double direct_s = 0, fft_s = 0;
 };

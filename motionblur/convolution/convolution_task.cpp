@@ -19,7 +19,7 @@ void add(CellWindow& window, int y, const ColumnRange& columns) {
               std::min(window.y_begin, y), std::max(window.y_end, y + 1)};
 }
 
-/// Returns the range of indices from the first to the last nonzero value.
+/// Range of indices from the first to the last nonzero value.
 template <typename T>
 ColumnRange filled(const T* values, int count) {
     int begin = 0, end = count;

@@ -1,5 +1,4 @@
-// The input of a convolution: the nonzero parts of an object's image (i1) and of its path's image (i2), and
-// the window of the result.
+// The input of a convolution: the nonzero parts of the object's image (i1) and of its path's image (i2).
 #pragma once
 
 #include <vector>
@@ -8,7 +7,7 @@
 
 namespace postlens {
 
-/// Columns [begin, end) of a row. The range is empty if begin >= end.
+/// Columns [begin, end) of a row, empty if begin >= end.
 struct ColumnRange {
     int begin = 0, end = 0;
     [[nodiscard]] bool is_empty() const { return begin >= end; }
@@ -22,12 +21,12 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path, within
-    /// `wanted`. `out`, the window of the result, becomes empty if the result is 0.
+    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. `out`,
+    /// the window of the result within `wanted`, is empty if the result is 0.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of a plane of the object's raster. p[x] is the cell in column x.
+    /// Returns a pointer p to row y of the object's raster: p[x] is column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -
@@ -41,7 +40,7 @@ struct ConvolutionTask {
 /// Creates `count` planes of zeros over the window. Throws Error(out_of_memory).
 [[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
-/// Returns the window of the full convolution of two rasters with the windows `a` and `b`.
+/// Window of the full convolution of two rasters with the windows `a` and `b`.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
 [[nodiscard]] CellWindow window_of(const Planes& planes);
 [[nodiscard]] CellWindow window_of(const PathRaster& raster);

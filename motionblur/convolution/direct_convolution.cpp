@@ -10,19 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Number of columns that are summed at the same time. Their sums fill eight of the sixteen vector registers
-/// of AVX2.
+/// Number of columns that are summed together. Their sums fill eight of AVX2's sixteen vector registers.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of products that are summed in single precision before the sum is added to a double. This keeps the
-/// rounding error below 34 * 2^-24 of the sum.
+/// Number of products that are summed in single precision. It keeps the rounding error below 34 * 2^-24 of
+/// the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time for a run of equal weights, in multiples of the time for one cell. A run of more cells than this is
-/// processed as a whole, a shorter run cell by cell.
+/// Time for a run of equal weights, in multiples of the time for one cell. Shorter runs are processed cell by
+/// cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. Rounding can make equal weights differ,
-/// because each weight is the difference of two cumulative exposures.
+/// Relative difference up to which two weights count as equal. Rounding makes equal weights differ slightly.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -32,14 +30,14 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// A run of cells with the same weight: the columns [begin, end) of a row of the path's raster.
+/// A run of cells with equal weight: columns [begin, end) of a row of the path's raster.
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// The path's raster, divided into runs of equal weight, row by row. A run may be a single cell. `cost` is
-/// the predicted time of a convolution, in multiples of the time for one cell.
+/// The path's raster as runs of equal weight, row by row. `cost` is the predicted time, in multiples of the
+/// time for one cell.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -50,7 +48,7 @@ bool is_long(const PathRun& run) {
     return run.end - run.begin > run_cost;
 }
 
-/// Divides the window into runs of cells with equal weight(x, y) along each row.
+/// Divides the window into runs of equal weight along its rows.
 template <typename Weight>
 PathRuns runs_of(const CellWindow& window, const Weight& weight) {
     PathRuns out;
@@ -89,13 +87,12 @@ struct Orientation {
     bool is_transposed = false;
 };
 
-/// Decides whether runs of equal weight follow rows or columns of the path's raster. If columns are cheaper,
-/// the whole convolution is transposed.
+/// Decides whether runs follow rows or columns of the path's raster. For columns, the whole convolution is
+/// transposed.
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Time for transposing the object's raster and the result, in multiples of the time for one cell of the
-    // path.
+    // Time for transposing raster and result, in multiples of the time for one path cell.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -119,15 +116,13 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// The contribution of one cell of the path's raster: `weight` times the object's values at the offset `at`
-/// from the output tile.
+/// One path cell's contribution: `weight` times the object's values at offset `at` from the output tile.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// The contribution of a run of path cells with equal weight: `weight` times a sum of consecutive values of
-/// the object. The sum is the difference of two prefix sums, at the offsets `high` and `low` from the output
-/// tile.
+/// The contribution of a run of path cells: `weight` times a sum of consecutive object values. The sum is the
+/// difference of two prefix sums, at the offsets `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -136,8 +131,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, with the terms of its cells and runs: the ranges [cells_begin, cells_end) of
-/// Terms::cells and [runs_begin, runs_end) of Terms::runs.
+/// A row of the path's raster, with its ranges of Terms::cells and Terms::runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -171,8 +165,7 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Direct convolution. It reads copies of the object's rows that are padded with zeros, because a tile may
-/// extend beyond the ends of a row.
+/// Direct convolution. It pads the object's rows with zeros, because a tile may extend beyond them.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -190,8 +183,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each task computes a block of 64 x 64 cells, row by row. Successive rows read mostly the same rows
-        // of the object's raster, which therefore stay in the cache.
+        // Each task computes 64 x 64 cells. Successive rows read mostly the same object rows, which stay in
+        // the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -233,8 +226,8 @@ class DirectConvolution {
         });
     }
 
-    /// Lists the terms of the convolution for each row of the path's raster. A short run of equal weights
-    /// becomes one CellTerm per cell, and a long run becomes one RunTerm.
+    /// Lists the terms for each row of the path's raster. A short run becomes one CellTerm per cell, and a
+    /// long run becomes one RunTerm.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -262,7 +255,7 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // Skips this row if all values that the tile would read from the object's raster are 0.
+            // Skips this row if the tile would read only zeros.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -325,17 +318,15 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of cells of the object's raster that are read for each cell of the path's raster. Whole tiles
-    // are read, up to one tile beyond the nonzero columns of each row.
+    // Number of object cells read per path cell. Whole tiles are read, up to one tile beyond each row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
-    // Only this share of the full result is computed. The number of additions is proportional to it.
+    // Share of the full result that is computed.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copying an
-    // object's raster of more than `large_values` values takes longer per value, because the system first has
-    // to provide the memory.
+    // Times measured with the benchmark `one_object/direct`. Copying more than `large_values` values is
+    // slower, because the system first has to provide the memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -16,22 +16,20 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result, divided into `count` blocks of at most `length` cells. The Fourier transform of a
-/// block has `size` cells.
+/// One axis of the result, as `count` blocks of at most `length` cells. A block's transform has `size` cells.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Ranges of cells along one axis: [s0, s1) of the object's raster, [p0, p1) of the path's raster, and [o0,
-/// o1) of their convolution.
+/// Ranges of cells along one axis: [s0, s1) of the object, [p0, p1) of the path, [o0, o1) of the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Returns the smallest transform size for which the cells [x0, x1) of the result are correct: the transform
-/// is periodic, and its period must not add other cells to them. [a, b) are the cells of the object's raster
-/// that contribute to them.
+/// Returns the smallest transform size that gives correct result cells [x0, x1). The transform is periodic,
+/// and its copies must not overlap these cells.
 int needed_size(const Axis& axis, int x0, int x1) {
+    // The object's cells [a, b) contribute.
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -46,8 +44,7 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // A multiple of 8 is the fastest size, because rows then consist of whole vectors. Real transforms of odd
-    // sizes take twice as long.
+    // Multiples of 8 are fastest, because rows then consist of whole vectors. Odd sizes take twice as long.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -59,8 +56,7 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time of a transform, in seconds, divided by n log2(n) for n cells. It was measured with the benchmark
-    // `one_object/fft` of convolution_bench.
+    // Time per n log2(n) for n cells, in seconds, measured with the benchmark `one_object/fft`.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -90,8 +86,7 @@ struct Free {
     void operator()(void* p) const { fftwf_free(p); }
 };
 
-/// Allocates an array with FFTW's alignment. A plan of FFTW may only be applied to arrays with the same
-/// alignment as those for which it was made.
+/// Allocates an array with FFTW's alignment, because a plan applies only to arrays of equal alignment.
 template <typename T>
 std::unique_ptr<T[], Free> allocate(std::size_t count) {
     auto* p = static_cast<T*>(fftwf_malloc(count * sizeof(T)));
@@ -109,9 +104,8 @@ fftwf_complex* raw(std::complex<float>* p) {
     return reinterpret_cast<fftwf_complex*>(p);
 }
 
-/// Computes a *= b for complex numbers that are stored as pairs of a real and an imaginary part. Each part
-/// has its own loop. In a single loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
-/// results would depend on the processor.
+/// Computes a *= b for complex numbers. Real and imaginary parts have separate loops: in one loop, GCC 12
+/// would use fused multiply-adds, and results would depend on the processor.
 POSTLENS_MULTIVERSION
 void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {
     constexpr std::size_t block = 64;
@@ -129,7 +123,7 @@ void multiply(float* __restrict a, const float* __restrict b, std::size_t count)
     }
 }
 
-/// Returns the smallest of the values, or 0 if all values are positive.
+/// Returns the smallest value, or 0 if all are positive.
 POSTLENS_MULTIVERSION
 float least_of(const float* values, std::size_t count) {
     float least = 0;
@@ -152,8 +146,8 @@ class FftConvolution {
         Buffers first = make_buffers();
         {
             const std::lock_guard lock(planner());
-            // FFTW_ESTIMATE chooses the same plans in every run. Measured plans may differ between runs, and
-            // so would the last bits of the results.
+            // FFTW_ESTIMATE chooses the same plans in every run. With measured plans, the last bits of the
+            // results may differ.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
@@ -184,7 +178,7 @@ class FftConvolution {
     }
 
   private:
-    /// This lock is held while a plan of FFTW is created or destroyed. Only one thread may do so at a time.
+    /// Only one thread may create or destroy FFTW plans at a time.
     static std::mutex& planner() {
         static std::mutex mutex;
         return mutex;
@@ -213,8 +207,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Transforms the path. Cell (i, j) of the path is stored at (i, j) modulo the transform's size. The
-    /// weights include the normalisation of the transforms.
+    /// Transforms the path. Its cell (i, j) is stored at (i, j) modulo the transform's size. The weights
+    /// include the transforms' normalisation.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -227,8 +221,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// For each row of the result, computes the range of columns that can be nonzero, because the path moves
-    /// nonzero cells of the object's raster to them.
+    /// For each row of the result, finds the columns to which the path moves nonzero cells of the object.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -271,9 +264,8 @@ class FftConvolution {
         }
     }
 
-    /// Copies the part of the object's raster that contributes to a block of the result. Positions are
-    /// relative to the block's first cell, modulo the transform's size. Returns whether all copied values are
-    /// at least 0.
+    /// Copies the object cells that contribute to a block. Positions are relative to the block's first cell,
+    /// modulo the transform's size. Returns whether no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

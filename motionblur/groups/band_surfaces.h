@@ -1,4 +1,4 @@
-// Reads rows of records, and finds the surfaces in the quadtree leaves into which each pixel is divided.
+// Reads rows of records, and finds the surfaces in the quadtree leaves of each pixel.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@ namespace postlens {
 
 /// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    /// `width` is one more than the number of pixels in a row, because the right border of the last pixel is
-    /// recorded in a column of its own.
+    /// `width` is the number of pixels in a row plus one. The extra column holds the last pixel's right
+    /// border.
     int x_begin = 0, width = 0, y_begin = 0, y_end = 0;
     PixelLeaves leaves;
     SampleSurfaces surfaces;
@@ -29,20 +29,21 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// The records of one instant, in bands of `band_rows` rows of pixels. A band also contains the first row of
-/// the next band, because the records on the border between the two are stored there. Only the bands that are
-/// needed are kept in memory. These are usually few, because moving objects cover few rows of a frame.
+/// The records of one instant, in bands of `band_rows` rows of pixels. Only the needed bands are kept in
+/// memory, usually few.
+///
+/// A band also contains the next band's first row, where the records on their common border are stored.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.
     explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-    /// Reads all bands one after another. Keeps a band in memory if `keep` returns true for it.
+    /// Reads all bands, and keeps those for which `keep` returns true in memory.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
-    /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory yet.
+    /// Reads those bands of pixel rows [y_begin, y_end) that are not in memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// Returns all bands. A band that is not in memory has its range of rows and columns, but no records.
+    /// Returns all bands. A band that is not in memory has no records.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -53,8 +54,8 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Finds the surfaces in the bands that contain rows [y_begin, y_end). These bands must be in memory. Returns
-/// one element per band, which is empty for bands outside of these rows.
+/// Finds the surfaces in the bands that contain rows [y_begin, y_end), which must be in memory. All other
+/// bands get an empty element.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

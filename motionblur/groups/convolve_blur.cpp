@@ -12,13 +12,11 @@
 namespace postlens {
 namespace {
 
-/// The moving groups' depths divide depth into intervals. This struct contains weighted sums, over the
-/// samples of one pixel, of the static surfaces in one interval.
+/// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// The coverage of the pixel by these surfaces is covered / known. `covered` is the weight of the samples
-    /// that show a static surface in this interval. `known` is the weight of the samples that have a record
-    /// in the interval or behind it. Only these samples tell whether the interval contains a surface.
+    /// These surfaces cover the fraction covered / known of the pixel. `known` is the weight of the samples
+    /// with a record at this depth or behind it; other samples tell nothing.
     double covered = 0, known = 0;
 };
 
@@ -64,7 +62,7 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Fills unrecorded background with the colours of the farthest static surfaces in the pixels around it.
+    // Fills unrecorded background from the farthest static surfaces around it.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -83,7 +81,7 @@ class Composite {
         }
     }
 
-    // Returns the range of columns that the images of the moving groups cover in row y.
+    // Columns of row y that the images of the moving groups cover.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {
@@ -108,8 +106,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Index of the interval of depth that contains the next nearer static surface of the sample, or
-        // between.size() if there is none.
+        // Interval of depth with the sample's next nearer static surface, or between.size().
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -120,8 +117,7 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of moving groups in front of the surface. depths_ contains their inverse depths,
-            // descending.
+            // Number of moving groups in front of the surface. depths_ is in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -180,16 +176,15 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
-/// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels. A squared covariance is at most the product of the two variances. If a
-/// group covers a pixel for a fraction c of the exposure, its coverage has the variance c (1 - c). Its light
-/// has at most the variance c if its radiance is at most 1.
+/// Returns an upper bound of the squared covariance of the nearer group's coverage and the farther group's
+/// light, summed over pixels. A squared covariance is at most the product of both variances.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
+            // Variance of the coverage: c (1 - c). Variance of light up to radiance 1: at most its coverage.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

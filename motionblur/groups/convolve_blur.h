@@ -1,5 +1,5 @@
-// Motion blur by convolution [potmesil1983]. The raster of each moving group is convolved with the raster of
-// its path. The results and the static surfaces are composited in order of depth.
+// Motion blur by convolution [potmesil1983]. Each moving group's raster is convolved with its path, and
+// composited in order of depth.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace postlens {
 
-/// The error where a group crosses another moving group. Compositing assumes that the nearer group's coverage
-/// of a pixel is independent of the farther group's light, which is wrong if both change during the exposure.
+/// The error where two moving groups cross. Compositing assumes that one group's coverage of a pixel is
+/// independent of the other's light, which is wrong if both change.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
-    /// Upper bound of the mean squared error over the pixels that the group touches, for radiances up to 1.
+    /// Upper bound of the mean squared error over the group's pixels, for radiances up to 1.
     double most_mse = 0;
 };
 

@@ -13,15 +13,14 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. A surface between two
-/// slices is drawn into both, so this distance limits the error at the ends of the blur. A smaller value does
-/// not increase the measured PSNR.
+/// Largest distance, in px, between the path ends of neighbouring depth slices. It limits the error at the
+/// ends of the blur. Smaller values do not increase the PSNR.
 constexpr double step_px = 4;
 
-/// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. It is computed from
-/// the corners that show the moving group.
+/// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. Only corners that
+/// show the moving group count.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-    // Mean slope along two opposite sides of the leaf. A side counts only if both of its ends show the group.
+    // Mean slope along two opposite sides whose ends both show the group.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
         int known = 0;
@@ -115,10 +114,8 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // Along the path, v, the sum of rate * position over the axes, lies between `low` and `high`. The piece's
-    // projected area is multiplied by max(0, 1 + v), because the piece shows its back if 1 + v < 0. But
-    // slices can only change linearly (SliceRaster). The factor is therefore replaced by area * (1 - v /
-    // low), which is 0 at v = low and has the same mean over the range of v.
+    // The projected area is proportional to max(0, 1 + v), where v is the sum of rate * position. But a slice
+    // can only change linearly. So 1 - v / low with the same mean is used, which is 0 at v = low.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -134,7 +131,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves. It needs one Piece for each of them.
+    // A record is a corner of about four leaves, and needs one Piece for each.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
@@ -154,8 +151,7 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    // Reserves space for the largest possible number of pieces. This costs little, because the system only
-    // provides memory for the part that is written.
+    // Reserves the largest possible number. The system only provides memory that is written.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     for_each_leaf_of(band, table, g, window_, cells_per_px_,
                      [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {

@@ -1,4 +1,4 @@
-// Divides a moving group of objects with parallax into depth slices. Each slice has its own raster and path.
+// Divides a moving group of objects with parallax into depth slices, each with its own path.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,26 +9,24 @@
 
 namespace postlens {
 
-/// Largest number of depth slices. If the parallax needs more, the slices are spaced more widely.
+/// Largest number of depth slices. Larger parallax increases their spacing.
 inline constexpr int most_slices = 64;
 /// Returns the number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Returns the error of drawing a group as one opaque surface, although parts at different depths move
-/// differently: the total area of gaps and overlaps between parts, as a fraction of the group's recorded
-/// area. Each gap counts with its largest width along the path, if this is at least 0.5 px.
+/// Returns the error of drawing a group as one opaque surface: the area of gaps and overlaps between its
+/// parts, as a fraction of its recorded area. Gaps below 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction on the raster. A moving group's path extends from `low_px` to `high_px` along it.
+/// A direction on the raster, and how far a group's path extends along it.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction from the recorded position to the path's farthest point. If the path contains points
-/// more than 1 px beside this line, also returns the perpendicular direction. Returns nothing if all points
-/// of the path are the recorded position.
+/// Returns the direction to the path's farthest point, and the perpendicular direction if the path leaves
+/// this line by more than 1 px. Returns nothing if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
 /// How the projected area of a piece of a surface changes while the piece moves along its path. At time t,
@@ -45,30 +43,30 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice. They change linearly while the slice moves, as the
-/// projected area of its surfaces does (Stretch). At the displacement p along the path, they are `flat` plus
-/// the sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px).
+/// Red, green, blue and coverage of a depth slice. They change linearly with the displacement p along the
+/// path (see Stretch):
+///
+///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
 };
 
-/// Slices at uniformly spaced inverse depths, from the farthest to the nearest. A surface between two slices
-/// is drawn into both, with linear weights that sum to 1.
+/// Slices at uniformly spaced inverse depths, from far to near. A surface between two slices is drawn into
+/// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width, in m, that a
-    /// pixel covers in the scene. For a perspective camera, it is measured at a distance of 1 m.
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width of a pixel in the
+    /// scene, in m; for a perspective camera, at a distance of 1 m.
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the scale of depth slice k's path, relative to the path of the group.
+    /// Scale of depth slice k's path, relative to the group's path.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Returns the window that all depth slices share: the cells that contain the group at the recorded
-    /// instant.
+    /// Window of all depth slices: the cells that contain the group at the recorded instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

@@ -30,7 +30,7 @@ GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) const 
 
 GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) const {
     GroupPicture out = nothing_over(slices, group);
-    // For each axis, the coordinates of the path's points along it, measured from the axis's low_px.
+    // Coordinates of the path's points along each axis, measured from low_px.
     std::vector<std::vector<double>> along;
     for (const PathAxis& axis : slices.axes()) {
         along.emplace_back();
@@ -45,8 +45,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Where parts of the group overlap, their coverages can add up to more than 1. Colour and coverage are
-    // then scaled to a coverage of 1. A coverage of up to `rounding` may be a rounding error and becomes 0.
+    // Overlapping parts of the group can have a total coverage above 1, which is scaled down to 1. Coverages
+    // up to `rounding` become 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -58,8 +58,7 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // Only the part of the path within `reach` is drawn. Other displacements, in cells, move the group's
-    // raster completely out of the frame.
+    // Displacements outside `reach`, in cells, move the group's raster out of the frame. They are not drawn.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -68,7 +67,7 @@ Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path
     return convolve(i1, i2, ConvolutionMethod::automatic, nullptr, frame);
 }
 
-// Creates an empty image that covers the part of the frame over which the moving group can pass.
+// Creates an empty image of the area over which the moving group can pass.
 GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGroup& group) const {
     glm::dvec2 low(0), high(0);
     for (const PathPoint& p : group.path) {
@@ -82,8 +81,7 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // The margin of 1 px is needed because the path is rounded to whole cells, which shifts the blurred image
-    // by up to half a cell.
+    // Rounding the path to cells shifts the image by up to half a cell. A margin of 1 px allows for it.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

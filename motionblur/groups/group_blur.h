@@ -1,5 +1,4 @@
-// Motion blur of a moving group of objects. The raster of the group is convolved with the raster of its path,
-// either as a whole or in depth slices.
+// Motion blur of a moving group: its raster is convolved with its path, as a whole or in depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -8,7 +7,7 @@
 
 namespace postlens {
 
-/// Coverage below this value is treated as 0, because it may be a rounding error of a Fourier transform.
+/// Lower coverage counts as 0: it may be a rounding error of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.
@@ -20,8 +19,8 @@ class GroupBlur {
 
     /// Moves the whole group along its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Moves each depth slice of the group along its own path and returns the sum of the slices. The slices
-    /// do not hide each other, because they are parts of one opaque surface.
+    /// Moves each depth slice along its own path, and sums the slices. They do not hide each other, because
+    /// they belong to one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:

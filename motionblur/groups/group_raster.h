@@ -1,5 +1,4 @@
-// Draws the unblurred raster of a moving group of objects (i1 in [potmesil1983]), and converts cells of the
-// raster to pixels.
+// Draws the unblurred raster of a moving group (i1 in [potmesil1983]).
 #pragma once
 
 #include <algorithm>
@@ -11,7 +10,7 @@
 
 namespace postlens {
 
-/// Red, green, blue and coverage over a window of pixels. The colours are premultiplied by the coverage.
+/// Red, green, blue and coverage over a window of pixels. Colours are premultiplied.
 struct GroupPicture {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::array<float, 4>> rgba;
@@ -22,17 +21,15 @@ struct GroupPicture {
     }
 };
 
-/// Returns the number of raster cells per px for a group. Short or slanted paths need more cells.
+/// Returns a group's number of raster cells per px. Short or slanted paths need more.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Returns the window of the cells that may contain a moving group's records, clipped to the rows and columns
-/// of `bands`.
+/// Returns the window of the cells that may contain a group's records, clipped to `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The raster cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. Leaves and cells have
-/// sizes that are powers of 2, so a quarter covers either whole cells (`share` is 1) or the fraction `share`
-/// of a single cell.
+/// The raster cells [x, x + n) x [y, y + n) under one quarter of a quadtree leaf. The quarter covers the
+/// fraction `share` of each. `share` is 1 unless the quarter is smaller than a cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -40,13 +37,12 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// Returns the nearest surface of moving group g at a point sample, or nullptr if there is none.
+/// Returns the nearest surface of moving group g at a point sample, or nullptr.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that has a surface of moving group g in
-/// at least one corner. `surfaces` contains the nearest such surface of each corner, or nullptr. `window` is
-/// the result of group_window.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g. `surfaces`
+/// contains the group's nearest surface at each corner, or nullptr. `window` comes from group_window.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {
@@ -68,7 +64,7 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// Converts a raster of cells to pixels. Each pixel of the frame is the mean of its cells.
+/// Converts a raster of cells to pixels, which are means of their cells.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

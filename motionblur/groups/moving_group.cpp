@@ -24,9 +24,8 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether the displacements of two objects' centres agree within `alike_px` at all tested instants.
-/// For objects with parallax, displacements are first scaled to the inverse depth `nearest` (in 1/m), to
-/// which they are proportional. 0 means objects without parallax, whose displacements are not scaled.
+/// Returns whether two objects' centres move alike, within `alike_px` at all tested instants. With parallax,
+/// displacements are first scaled to the inverse depth `nearest` (1/m; 0 means no parallax).
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -91,8 +90,7 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // If all points of a group have the same depth at this instant, the group is treated as one without
-        // parallax, even if the depths differ at other recorded instants.
+        // Equal depth at this instant means no parallax, even if depths differ at other instants.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

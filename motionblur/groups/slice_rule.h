@@ -1,5 +1,4 @@
-// Decides, for the method `auto`, whether a moving object with parallax is blurred in depth slices or by the
-// light field method.
+// Decides whether `auto` blurs an object with parallax in depth slices or by the light field.
 #pragma once
 
 #include <string>
@@ -10,28 +9,27 @@
 
 namespace postlens {
 
-/// Bounding box, in raster px, of the area over which a group moves, including its recorded position.
+/// Bounding box of the area over which a group moves, in raster px.
 struct PassedBox {
     glm::dvec2 low_px{0}, high_px{0};
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the group's passed_box in which a static surface lies in the group's range of
-/// depth. Such a surface may be composited in the wrong order, because compositing places whole groups, not
-/// their slices, at their depth.
+/// Returns the fraction of passed_box in which a static surface lies in the group's range of depth. Such
+/// surfaces may be composited in the wrong order, because groups are placed at one depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Decides whether groups[g], which has parallax, is better blurred by the light field method than by
-/// convolution. Returns the reason, or an empty string if convolution is better. Possible reasons are:
-/// - The group's parallax exceeds `most_parallax_px`.
+/// Returns why the light field blurs groups[g], which has parallax, better than convolution, or an empty
+/// string if it does not. Reasons are:
+/// - The parallax exceeds `most_parallax_px`.
 /// - Another object lies in the group's range of depth along its path.
-/// - Parts of the group move differently and leave gaps or overlap (torn_share).
+/// - Parts of the group leave gaps or overlap (torn_share).
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, in px. With more parallax, `most_slices` depth slices would be too coarse.
+/// Largest accepted parallax, in px. `most_slices` slices would be too coarse for more.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

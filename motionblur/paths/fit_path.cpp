@@ -41,7 +41,7 @@ void check(Points points, double tolerance_px) {
     }
 }
 
-/// A cubic Bezier curve over the time from point `first` to point `last`. The parameter u runs from 0 to 1.
+/// A cubic Bezier curve from point `first` to point `last`. Its parameter u is time, scaled to 0..1.
 struct Cubic {
     std::array<dvec2, 4> control{};
     [[nodiscard]] dvec2 at(double u) const {
@@ -51,15 +51,15 @@ struct Cubic {
     }
 };
 
-/// Fits a cubic to the points [first, last] by least squares. If `start` is given, the cubic begins there.
-/// Returns nothing if a point is farther from the cubic than the tolerance.
+/// Fits a cubic to the points [first, last] by least squares, beginning at `start` if given. Returns nothing
+/// if its error exceeds the tolerance.
 std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t last,
                                const std::optional<dvec2>& start, double tolerance_px) {
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are the offsets of the four control points from evenly spaced points on a straight line.
-    // Regularisation keeps an offset near 0 if the points do not determine it.
+    // The unknowns are the control points' offsets from a straight line. Regularisation keeps undetermined
+    // offsets near 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -79,7 +79,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // A segment of only two points ends exactly at the second one, without rounding errors.
+    // Avoids rounding errors at the end of a two-point segment.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -91,9 +91,8 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Divides the points into segments, each of which one cubic can follow within the tolerance. Doubling and
-/// bisection find the longest possible segment. If `joined` is true, each segment begins where the previous
-/// one ends. Stops after `most` segments, even if they do not reach the last point.
+/// Divides the points into segments as long as one cubic follows them. If `joined`, each segment begins where
+/// the previous one ends. Stops after `most` segments.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -142,8 +141,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the times of the knots of a path with `count` segments. Knots are dense where the given segments
-/// are short.
+/// Returns the knot times of a path with `count` segments. Knots are dense where the given segments are
+/// short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -156,8 +155,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots at the ends of the segments. An abrupt change of velocity causes a short
-/// segment between two long ones, which is replaced by a single knot.
+/// Returns the knot times at the segments' ends. An abrupt change of velocity causes a short segment between
+/// two long ones, which becomes a single knot.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -183,8 +182,7 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// Returns a path that stays at one position, or nothing if a point is farther from this position than the
-/// tolerance.
+/// Returns a path that does not move, or nothing if that exceeds the tolerance.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {
@@ -215,8 +213,7 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimate of the smallest possible number of segments: how many cubics follow the points within twice
-    // the tolerance if they need not join.
+    // Estimates the smallest possible number of segments, from separate cubics with twice the tolerance.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

@@ -1,4 +1,4 @@
-// Fits splines to paths of many points, for the option `--fit-paths PX`.
+// Fits splines to paths of many points (`--fit-paths`).
 #pragma once
 
 #include <span>

@@ -13,24 +13,23 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest accepted coordinate, in cells. Up to this limit, the rounding error of a double is below a
-/// thousandth of a cell.
+/// Largest accepted coordinate, in cells. Up to it, rounding errors are below a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells and shifted by half a cell, so that cell
-/// i covers the positions [i, i + 1).
+/// A piece of a path with constant velocity. Positions are in cells, shifted by half a cell, so that cell i
+/// covers [i, i + 1).
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Interpolates linearly between value_from and value_to. The result is exact if both are 1, the default.
+    /// Interpolates the value linearly. The result is exact for the default of 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
 };
 
-/// Follows a piece of the path along one axis. Stores the current cell and finds where the next cell begins.
+/// Follows a piece of the path from cell to cell along one axis.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -38,8 +37,7 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns where the next cell begins, as a fraction of the piece, or infinity in the last cell. It is
-    /// computed from the position of the cell's border, so rounding errors do not accumulate.
+    /// Returns where the next cell begins, as a fraction of the piece, or infinity in the last cell.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -50,7 +48,7 @@ class Crossings {
     double from_, way_, cell_, last_;
 };
 
-/// Range from the smallest to the largest cell. It is initially empty.
+/// Range of cells, initially empty.
 struct Extent {
     double least = std::numeric_limits<double>::infinity();
     double greatest = -std::numeric_limits<double>::infinity();
@@ -61,9 +59,8 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips a piece of a path to the window plus a margin of half a cell on every side. The margin prevents
-/// rounding errors from removing a part within the window. Parts in the margin are not drawn. Returns false
-/// if nothing remains.
+/// Clips a piece of a path to the window plus half a cell on every side. Rounding errors then cannot remove a
+/// visible part. Returns false if nothing remains.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -87,8 +84,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If an end of the piece was far outside the window, its clipped position can be wrong by more than half
-    // a cell, due to rounding. Clamping keeps it near the window.
+    // Rounding can move the ends of a far piece by more than half a cell. Clamping keeps them near the
+    // window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -112,8 +109,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // The exposure is a single instant, so only one point of the path is used: the first one at or after
-        // this instant, or else the last one.
+        // A single instant uses one point of the path: the first at or after it, or else the last.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -123,7 +119,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
-        // Cuts off the parts of the piece before and after the exposure.
+        // Cuts off the parts before and after the exposure.
         const auto along = [&](double time_s) {
             return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
@@ -223,9 +219,8 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path is in the current cell between the fractions `before` and `at` of the piece. The light
-            // of this part is multiplied by the value at its middle, which is exact for a shutter of constant
-            // transmittance. If rounding makes `at` smaller than `before`, no light is added.
+            // The path is in this cell between the fractions `before` and `at` of the piece. The value at
+            // their middle weights the light, which is exact for constant transmittance.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

@@ -1,5 +1,5 @@
-// The image of a path over the exposure (i2 in [potmesil1983]). Each cell contains the fraction of the
-// exposure's light that arrives while the path is in this cell.
+// The image of a path over the exposure (i2 in [potmesil1983]). Each cell contains the fraction of the light
+// that arrives while the path is in it.
 #pragma once
 
 #include <optional>
@@ -23,16 +23,14 @@ struct PathRaster {
     int cells_per_px = 1;
     std::vector<double> weight;  ///< row by row
 
-    /// Returns the weight of cell (x, y), which must lie in the window: x_begin <= x < x_begin + width, and
-    /// y_begin <= y < y_begin + height.
+    /// Returns the weight of cell (x, y), which must lie in the window.
     [[nodiscard]] double at(int x, int y) const {
         return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(x - x_begin)];
     }
 };
 
-/// Limits of `draw_path`: the longest side of a path's raster, in cells, and the largest number of cell
-/// borders that a path may cross.
+/// Limits of `draw_path`: the raster's longest side, in cells, and the number of cell borders crossed.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 

@@ -1,5 +1,4 @@
-// Reads PATHS.toml (docs/motion_paths.md). It contains paths of moving objects, which replace the paths of
-// the sample file.
+// Reads PATHS.toml, which contains paths of moving objects (docs/motion_paths.md).
 #pragma once
 
 #include <cstdint>
@@ -15,15 +14,14 @@
 
 namespace postlens {
 
-/// Largest accepted size of a paths file, in bytes. A larger file is rejected before it is read.
+/// Largest accepted size of a paths file, in bytes.
 inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 
-/// Keyframes of a rigid motion in scene coordinates, in m. There is at least one keyframe, and the times
-/// increase.
+/// Keyframes of a rigid motion in scene coordinates, in m. There is at least one, and times increase.
 using RigidKeys = std::vector<TransformKey>;
 
-/// A motion, and the objects that it moves. At time t, an object is displaced by the difference between the
-/// motion's position at t and its position at the time of the frame.
+/// A motion and the objects that it moves. Its displacement is the motion's position minus that at the
+/// frame's time.
 struct ObjectPath {
     std::vector<std::uint32_t> ids;    ///< each is at least 1 and occurs once
     std::vector<std::string> objects;  ///< names in the sample file
@@ -31,18 +29,19 @@ struct ObjectPath {
     std::variant<ScreenPath, RigidKeys> motion;
 };
 
-/// Reads a file of paths. Throws Error(invalid_input) with the message "FILE:LINE:COLUMN: ...", or "FILE:
-/// ..." if `path` is not a regular file.
+/// Reads a file of paths. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", or "FILE: ..." if `path` is
+/// not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// Returns the ids of the objects that each path moves: the ids that the path lists, and all ids with a name
-/// that it lists. `names` contains the name of each id. Throws Error(invalid_input) "FILE:LINE: ..." for an
-/// unknown id or name, and for an id that two paths move.
+/// Returns the ids of the objects that each path moves, by id or by name. `names` contains the name of each
+/// id.
+///
+/// Throws Error(invalid_input) "FILE:LINE: ..." for an unknown id or name, and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 
-/// Returns the motion of the sample file's objects. For objects in `paths`, the motion of the path replaces
-/// the file's motion. Throws the same errors as resolve_ids.
+/// Returns the motion of the sample file's objects. Motions in `paths` replace those of the file. Throws the
+/// errors of resolve_ids.
 [[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

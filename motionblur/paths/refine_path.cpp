@@ -11,13 +11,11 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first round of least squares. Each later round adds, for each segment,
-/// the point with the largest error.
+/// Points per segment in the first round of least squares. Later rounds add each segment's worst point.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// Residual of the least-squares problem: the difference between the curve and a point at the time of this
-/// point, divided by the tolerance.
+/// Residual: the difference between the curve and a point at the point's time, divided by the tolerance.
 struct Distance {
     double time_s;
     dvec2 at_px;
@@ -37,8 +35,7 @@ struct Distance {
     }
 };
 
-/// Loss function. It is quadratic in the residual up to the tolerance, and grows with the fourth power above
-/// it.
+/// Loss function: quadratic up to the tolerance, and of fourth power above it.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,
@@ -124,7 +121,7 @@ double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> poin
 
 std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::vector<double>& times_s,
                                   double tolerance_px) {
-    // Times are scaled to 0..1, so that the steps of the solver do not depend on the duration of the path.
+    // Times are scaled to 0..1, so that the solver's steps do not depend on the duration.
     const double begin_s = points.front().time_s, span_s = points.back().time_s - begin_s;
     std::vector<PathPoint> scaled;
     scaled.reserve(points.size());
@@ -149,7 +146,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // For each segment, adds the point with the largest error to the least-squares problem.
+        // Adds each segment's worst point to the least-squares problem.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {
@@ -166,7 +163,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // Stops if the error is within the tolerance, is far above it, or no longer decreases.
+        // Stops if the error is small enough, far too large, or no longer decreases.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {
             for (std::size_t s = 0; s < worst.size(); ++s)

@@ -1,4 +1,4 @@
-// Optimises the knots of a path of Bezier curves so that it follows given points closely.
+// Optimises the knots of a Bezier path to follow given points.
 #pragma once
 
 #include <span>
@@ -11,13 +11,11 @@ namespace postlens {
 /// Returns the largest distance, in px, between the path and the points at the times of the points.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Finds the knots of a Bezier path that minimise the path's largest distance from the points. Positions,
-/// handles and times of the knots are optimised. `times_s` contains the initial times of at least 2 knots, in
-/// increasing order. The first and the last time are those of the first and last point.
+/// Finds the knots of a Bezier path that minimise its largest distance from the points. `times_s` contains at
+/// least 2 initial times, from the first to the last point.
 ///
-/// Stops when the largest distance is at most `tolerance_px` or no longer decreases. Distances above the
-/// tolerance contribute their fourth power to the loss, so that the largest distances dominate. Returns the
-/// best knots that were found.
+/// Stops when the distance is at most `tolerance_px` or no longer decreases, and returns the best knots.
+/// Larger distances count by their fourth power, so that the largest dominate.
 [[nodiscard]] std::vector<PathKnot> refine_path(std::span<const PathPoint> points,
                                                 const std::vector<double>& times_s, double tolerance_px);
 

@@ -44,8 +44,8 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
     }
 }
 
-// Computes the handles of the equivalent Bezier curve. A handle is the velocity at its knot times a third of
-// the time to the neighbouring knot.
+// Computes the handles of the equivalent Bezier curve: the velocity at a knot times a third of the time to
+// the next.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -78,11 +78,10 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// Instants at which a piece is tested, as fractions of its duration. No two of them are symmetric about the
-// middle. The tests therefore also detect a motion that turns back halfway and returns.
+// Instants at which a piece is tested, as fractions of its duration. They are not symmetric, so a motion that
+// turns back halfway is detected.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Fraction of the tolerance that the tests allow. It is below 1, because the error between two test instants
-// can be larger than at the test instants.
+// Fraction of the tolerance that the tests allow, because the error between the test instants can be larger.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -114,9 +113,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // Across a step h of the curve's parameter, the error of a chord is at most c h^2 / 8, where c is the
-    // largest second derivative. The second derivative of a cubic is linear, so its maximum is at an end of
-    // the segment.
+    // A chord over a step h of the parameter has an error of at most c h^2 / 8. c is the largest second
+    // derivative, found at an end of the cubic.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;
@@ -182,8 +180,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // Halves all pieces once before any piece is halved again, so that the limit on the number of points
-    // affects all pieces equally.
+    // Halves all pieces before any is halved again, so that the limit on points affects all equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

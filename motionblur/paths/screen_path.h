@@ -1,5 +1,4 @@
-// The position of a moving object on the raster as a function of time, and its approximation by pieces of
-// constant velocity.
+// A moving object's position on the raster as a function of time.
 #pragma once
 
 #include <cstddef>
@@ -13,12 +12,10 @@ namespace postlens {
 
 /// Largest number of knots of a path.
 inline constexpr std::size_t most_knots = 100'000;
-/// Largest absolute values in a path: coordinates of knots and handles, in px, and times of knots, in
-/// seconds.
+/// Largest absolute values in a path: coordinates of knots and handles, in px, and times.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the number of points that `flatten` returns. If the tolerance needs more points, the
-/// error exceeds the tolerance.
+/// Approximate limit of the points that `flatten` returns. Beyond it, the error exceeds the tolerance.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
@@ -42,25 +39,26 @@ struct PathPoint {
     glm::dvec2 at_px{0};
 };
 
-/// A position on the raster, in px, for every instant: r'(t) in [potmesil1983]. The position is constant
-/// before the first and after the last knot.
+/// A position on the raster, in px, at every instant: r'(t) in [potmesil1983]. It is constant before the
+/// first and after the last knot.
 class ScreenPath {
   public:
     /// A path that stays at (0, 0).
     ScreenPath();
-    /// Throws Error(invalid_input) if there are no knots or more than `most_knots`, if times do not increase,
-    /// or if numbers are not finite or too large. The message begins with `source`.
+    /// Throws Error(invalid_input), with a message that begins with `source`, unless there are 1 to
+    /// `most_knots` knots at increasing times. Numbers must be finite and not too large.
     ScreenPath(PathKind kind, std::vector<PathKnot> knots, const std::string& source);
 
     [[nodiscard]] glm::dvec2 at(double time_s) const;
-    /// Returns points of the path. Linear interpolation in time between them has an error of at most
-    /// `tolerance_px`, which must be above 0. This preserves both the shape and the speed of the path. The
-    /// first point is at open_s and the last at close_s. If these are equal, there is only one point.
+    /// Returns points of the path from open_s to close_s. Linear interpolation in time between them has an
+    /// error of at most `tolerance_px` > 0. So both shape and speed are kept.
+    ///
+    /// There is only one point if open_s is close_s.
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
-    /// Returns the given knots. For catmull_rom, their handles are those of the equivalent Bezier curve. For
-    /// a polyline, their handles are 0.
+    /// Returns the knots. The handles are 0 for a polyline, and those of the equivalent Bezier curve for
+    /// catmull_rom.
     [[nodiscard]] std::span<const PathKnot> knot_list() const { return knots_; }
     [[nodiscard]] PathKind kind() const { return kind_; }
 
@@ -69,12 +67,11 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// Approximates a function of time, such as the projection of a rigid motion, by pieces of constant velocity.
-/// `breaks_s` contains, in increasing order, the instants at which the velocity may change abruptly. There
-/// are at least 16 pieces, and at least two between neighbouring breaks.
+/// Approximates a function of time by pieces of constant velocity. `breaks_s` contains, in increasing order,
+/// the instants at which the velocity may change abruptly.
 ///
-/// Each piece is halved, at most 20 times, until it agrees with the function within the tolerance at five
-/// unevenly spaced instants. `at` must return finite positions. The result is deterministic.
+/// Pieces are halved, at most 20 times, until they agree with the function at five instants. There are at
+/// least 16 pieces, and two between breaks. `at` must return finite positions. The result is deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

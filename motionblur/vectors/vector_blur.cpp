@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of static pixels from which the background behind moving pixels is interpolated.
+/// Smallest share of static pixels that determines the background of moving ones.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,9 +29,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// exact_px is the largest error of a reprojected position, in px. overlap_px is the overlap of neighbouring
-/// patches (planar parts of the image), in px. It is below the smallest distance between a sample position
-/// and the border of its pixel, so a patch does not overlap samples of neighbouring pixels.
+/// exact_px is the largest error of a reprojected position. overlap_px is the overlap of neighbouring
+/// patches, planar parts of the image. It is smaller than the distance from any sample to its pixel's border,
+/// so no patch covers neighbouring samples.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -55,8 +55,8 @@ PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const Ve
     return field;
 }
 
-/// Returns 1 for each static pixel, and 0 for all others. Returns an empty list if the share of static pixels
-/// is below `least_still_share`.
+/// Returns 1 for static pixels and 0 for others. Returns nothing if static pixels are fewer than
+/// `least_still_share`.
 std::vector<float> what_stands_still(const VectorFrame& frame) {
     std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                               1);
@@ -75,10 +75,8 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns an image of the background, which is used where no view shows a surface. `weight` is 1 for static
-/// pixels and 0 for moving pixels. The background behind moving pixels is interpolated from the static pixels
-/// around them. If `weight` is empty, the background is the mean of the views, interpolated where no view
-/// shows a surface.
+/// Returns the background for gaps where no view shows a surface. It is interpolated from the static pixels,
+/// which have `weight` 1. Without weights, it is the mean of the views.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -114,8 +112,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // If too few pixels are static, the background behind moving pixels is the mean of the views
-        // (`seen`). `seen` must then cover the whole image, so that a crop does not change the background.
+        // Without enough static pixels, the background comes from the views. They must cover the whole image,
+        // so that a crop does not change it.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

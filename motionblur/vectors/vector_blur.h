@@ -1,4 +1,4 @@
-// Motion blur of an image that another program rendered, by the image's motion vectors.
+// Motion blur of another program's image, by its motion vectors.
 #pragma once
 
 #include "motionblur/motion_blur.h"
@@ -9,7 +9,7 @@ namespace postlens {
 struct VectorBlurSettings {
     Exposure exposure;  ///< in frames: 0 is the instant of the image, and 1 that of the next frame
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, it is chosen from the largest displacement of a pixel.
+    /// Number of instants, 1..most_views. If absent, the largest displacement determines it.
     std::optional<int> views;
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };

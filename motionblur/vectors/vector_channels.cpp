@@ -24,8 +24,8 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // (Z, W) points from the position in the next frame to that in this frame,
-                                // where W points up. Negating only Z yields the motion to the right and down.
+                                // (Z, W) points back from the next frame to this one, with W upwards.
+                                // Negating Z gives the motion to the right and down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});
@@ -46,8 +46,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // Prefers the part that contains the colours, then parts of the same stereo view as the colours, then
-        // other parts.
+        // Prefers the colours' part, then parts of the same stereo view.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

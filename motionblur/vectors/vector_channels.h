@@ -1,4 +1,4 @@
-// Finds the channels that contain the motion vectors in an image that another program rendered.
+// Finds the motion vectors in another program's image.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,15 @@ namespace postlens {
 struct VectorChoice {
     /// If absent, the channels are found by well-known names.
     std::optional<std::pair<std::string, std::string>> channels;
-    /// Displacement, in px to the right and down, per unit of the channel values. If absent, the names of the
-    /// channels determine it.
+    /// Displacement, in px to the right and down, per unit of the channels. If absent, their names determine
+    /// it.
     std::optional<glm::dvec2> scale;
     std::optional<glm::dvec2> offset;  ///< value of pixels that do not move; 0 if absent
     std::filesystem::path file;        ///< separate file with the vectors, if not empty
 };
 
-/// The two channels of the motion vectors, which must be in one part of the file. The displacement from this
-/// frame to the next is (value - offset) * scale, in px to the right and down.
+/// The two channels of the motion vectors, in one part of the file. (value - offset) * scale is the
+/// displacement to the next frame, in px to the right and down.
 struct VectorChannels {
     std::size_t part = 0;
     std::string u, v;

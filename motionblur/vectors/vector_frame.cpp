@@ -18,8 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest number of pixels in the data window and the display window together. Each pixel has four vertices,
-/// and the number of vertices must fit into 32 bits.
+/// Largest number of pixels in both windows together. Each has four vertices, counted in 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -60,8 +59,7 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // The parts of the file may have different windows. A pixel outside the window of a part gets default
-        // values: black, static and infinitely far away.
+        // Parts may have different windows. Outside them, pixels are black, static and infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -90,15 +88,14 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and of their motion vectors. If the user selects no layer and the
-    /// file's first colours have no motion vectors, the first colours with motion vectors are used.
+    /// Finds the channels of the colours and their motion vectors. Without a selected layer, the first
+    /// colours with motion vectors are used.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours of the file have no motion vectors. `other` is the first group of channels
-            // that has vectors, so its colours are used.
+            // The first colours have no motion vectors, so those beside the first vectors are used.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -130,8 +127,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the value of the option --layer that selects the colours of a group of channels, or nothing if
-    /// the group has no colours.
+    /// Returns the --layer that selects the colours of a channel group, or nothing if it has none.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
@@ -146,7 +142,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns if the vectors may be encoded as colours, in which 0.5 means no motion.
+    /// Warns if vectors may be encoded as colours, with 0.5 for no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;

@@ -1,4 +1,4 @@
-// A flat OpenEXR image that another program rendered, with forward motion vectors and possibly depth.
+// Another program's flat OpenEXR image, with forward motion vectors and possibly depth.
 #pragma once
 
 #include <array>
@@ -24,15 +24,14 @@ struct VectorPixel {
 
 struct VectorFrame {
     int width = 0, height = 0;  ///< size of the display window, px, which is the raster
-    /// Stored pixels: [x_begin, x_end) x [y_begin, y_end) on the raster. They may extend beyond the raster on
-    /// any side.
+    /// Stored pixels, [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<VectorPixel> pixels;  ///< row-major
     bool has_z = false, has_alpha = false;
     double largest_px = 0;  ///< length of the longest vector
     std::string u_name, v_name;
     std::string id_name;  ///< channel of the ids; empty if there are no ids
-    /// One line for each id channel or Cryptomatte of the file that cannot be used.
+    /// One line for each id channel or Cryptomatte that cannot be used.
     std::vector<std::string> problems;
     std::vector<std::string> assumed;  ///< one line for each assumption about the file
 
@@ -43,7 +42,7 @@ struct VectorFrame {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// Returns the image in the display window. Pixels that the file does not store are black.
+    /// Returns the image in the display window, black where the file stores no pixel.
     [[nodiscard]] Image picture() const;
 };
 

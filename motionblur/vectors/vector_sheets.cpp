@@ -14,7 +14,7 @@ constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F
 constexpr int edge = SheetMesh::square_px;
 constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four entries of the matrix W
 
-/// The sheets (connected surfaces) in one square of the raster. Indices refer to the arrays of this struct.
+/// The sheets (connected surfaces) in one square of the raster. Indices refer to these arrays.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Number of bytes that sheets and patches need per stored pixel. Twice as much memory must be
-        // available, because growing arrays reserve more than they use.
+        // Bytes per stored pixel. Twice as much must be available, because growing arrays reserve more than
+        // they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,8 +59,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share these
-    /// cells.
+    /// Adds the cells of one black square, which all squares without stored pixels share.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -113,8 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // Finds the sheets. A sheet is a connected set of pixels that all move or are all static, and whose
-        // depths are close to the depth of the sheet's first pixel in row order.
+        // Finds the sheets: connected pixels that all move or all stand still, with depths close to the first
+        // pixel's.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -178,8 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Returns the velocity of the corner of a pixel that `dx` and `dy` (-1 or 1) select. It is the mean
-    /// velocity of those of the four pixels around the corner that belong to the same surface as this pixel.
+    /// Returns the velocity of the pixel corner that `dx` and `dy` (-1 or 1) select. It is the mean over the
+    /// pixels at this corner that belong to the same surface.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -188,8 +187,7 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The four pixels are added in a fixed order, beginning at the upper left. All pixels at this corner
-        // therefore get bit-identical sums.
+        // A fixed order of summation gives bit-identical sums to all pixels at this corner.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

@@ -1,5 +1,4 @@
-// Converts an image with motion vectors to sheets, which are connected surfaces. Each pixel of a sheet has a
-// velocity.
+// Converts an image with motion vectors to sheets: connected surfaces with a velocity per pixel.
 #pragma once
 
 #include "motionblur/vectors/vector_frame.h"
@@ -26,10 +25,10 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
 /// Returns whether two neighbouring pixels belong to one surface. They do if their motion vectors agree
-/// within 0.25 px, even if their depths differ greatly, as on a floor near the horizon.
+/// within 0.25 px, as on a floor near the horizon.
 ///
-/// Otherwise, the motion vectors must agree within 2 px or a tenth of the longer vector, and the ids must be
-/// equal. If a pixel has no id, the depths (if the image has them) must agree within 2 % instead.
+/// Otherwise the vectors must agree within 2 px or a tenth of the longer one, and the ids must be equal.
+/// Without ids, known depths must agree within 2 % instead.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens
