@@ -26,7 +26,7 @@ void check_size(const Image& a, const Image& b, const char* name) {
     }
 }
 
-// Returns the number of pixels counted by the mask in which either image has a value outside 0..1.
+// Returns the number of counted pixels in which either image has a value outside 0..1.
 std::size_t count_clipped(const Image& a, const Image& b, const PixelMask& mask) {
     const auto outside = [](const float* p) {
         return std::any_of(p, p + 3, [](float v) { return v < 0 || v > 1; });
@@ -115,9 +115,8 @@ Comparison compare_pictures(CompareInput input) {
 }
 
 std::uint64_t comparison_bytes(ImageSize size, int pictures) {
-    // Bytes per pixel. Each image needs 25 bytes: 12 for linear values, 12 for encoded values, and 1 for its
-    // mask. The comparison also needs three maps of floats, two arrays of doubles, and the buffer of the file
-    // reader (12 bytes).
+    // Bytes per pixel. An image needs 12 for linear values, 12 for encoded values and 1 for its mask. The
+    // rest is three float maps, two double arrays and the file reader's buffer.
     const std::uint64_t per_pixel = static_cast<std::uint64_t>(pictures) * 25 + 3 * 4 + 2 * 8 + 12;
     return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * per_pixel;
 }
@@ -125,8 +124,7 @@ std::uint64_t comparison_bytes(ImageSize size, int pictures) {
 std::vector<std::string> failed_limits(const Comparison& comparison, const CompareLimits& limits) {
     std::vector<std::string> out;
     const PixelErrors& errors = comparison.whole.errors;
-    // The condition is negated because the PSNR is NaN if no pixel was compared. A NaN must not meet the
-    // limit.
+    // Negated, because a NaN PSNR (no pixel compared) must not meet the limit.
     if (limits.least_psnr_db && !(errors.psnr_db >= *limits.least_psnr_db)) {
         out.push_back(
             fmt::format("PSNR is {:.3f} dB below the limit (got {:.3f} dB; expected {:g} dB or more)",

@@ -1,5 +1,4 @@
-// Computes all results of `postlens compare`. An image is compared with a reference and, optionally, with an
-// image without blur (pinhole) and a second reference.
+// Computes all results of `postlens compare`: the errors of an image against a reference.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +18,14 @@ namespace postlens {
 /// The images to compare. All must have the same size.
 struct CompareInput {
     Image image, reference;
-    /// an image without lens or shutter blur; it shows which pixels these kinds of blur affect
+    /// an image without blur; it shows which pixels lens or shutter blur affects
     std::optional<Image> pinhole;
-    /// an independent render with the same settings as `reference` and of the same accuracy
+    /// an independent render with the same settings as `reference`
     std::optional<Image> second_reference;
     std::optional<double> flip_white_luminance;  ///< see `flip_exposures`
 };
 
-/// Errors over a set of pixels. An error is NaN if it is undefined in all of these pixels.
+/// Errors over a set of pixels. An error that is undefined there is NaN.
 struct Figures {
     PixelErrors errors;
     double ssim = 0;      ///< mean over the pixels that have a value; see `ssim_map`
@@ -34,7 +33,7 @@ struct Figures {
     double flip_hdr = 0;  ///< mean over all pixels
 };
 
-/// Numbers of pixels that have a NaN or an infinity in any channel.
+/// Numbers of pixels with a NaN or infinity in any channel.
 struct NonfiniteCounts {
     std::size_t image = 0, reference = 0, pinhole = 0, second_reference = 0;
     std::size_t image_only = 0;  ///< in `image` only, where the reference is finite
@@ -45,8 +44,7 @@ struct Comparison {
     int width = 0, height = 0;
     bool identical = false;     ///< the bits of image and reference are equal
     bool within_range = false;  ///< no finite value is outside 0..1, so `flip` is LDR-FLIP
-    /// Fraction of the pixels in which the image or the reference has a value outside 0..1. PSNR and SSIM
-    /// clamp these values.
+    /// Fraction of the pixels with a value outside 0..1 in either image. PSNR and SSIM clamp these values.
     double clipped_share = 0;
     NonfiniteCounts nonfinite;
     Figures whole;
@@ -55,9 +53,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // The members below are set only if a second reference is given. The first flag means that the image is
-    // bit-identical to one of the references, the second that both references are bit-identical. In the
-    // second case, the noise floor cannot be measured.
+    // Set only if a second reference is given. The flags state that the image equals one of the references,
+    // and that both references are equal (in their bits). Without a difference, there is no noise floor.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 
@@ -67,7 +64,7 @@ struct Comparison {
 /// Throws Error(invalid_input) if the sizes of the images differ.
 [[nodiscard]] Comparison compare_pictures(CompareInput input);
 
-/// Returns the approximate memory, in bytes, that compare_pictures needs for `pictures` images of this size.
+/// Approximate memory, in bytes, of compare_pictures for `pictures` images of this size.
 [[nodiscard]] std::uint64_t comparison_bytes(ImageSize size, int pictures);
 
 /// Limits on the errors of the whole frame.
@@ -75,8 +72,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line for each limit that is not met. If any limit is set, a NaN or an infinity in the image
-/// where the reference is finite also adds a line.
+/// Returns one line for each limit that is not met. With any limit, values that are not finite only in the
+/// image also add a line.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

@@ -9,15 +9,14 @@
 
 namespace postlens {
 
-/// Returns a table of errors with a heading. The first row is for the whole frame. If a pinhole image is
-/// given, further rows contain the errors over the affected pixels, and those of the pinhole image.
+/// Returns a table of errors with a heading, first over the whole frame. With a pinhole image, further rows
+/// contain errors over the affected pixels.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
-/// Returns sentences to print below the table. They state the error of the reference and the exposures of
-/// FLIP.
+/// Returns sentences to print below the table: the error of the reference and FLIP's exposures.
 [[nodiscard]] std::vector<std::string> comparison_notes(const Comparison& comparison);
 
-/// Returns the table as text. The first column is left-aligned and the others are right-aligned.
+/// Returns the table as text. The first column is left-aligned, and the others are right-aligned.
 [[nodiscard]] std::string aligned(const TextTable& table);
 
 }  // namespace postlens

@@ -12,33 +12,28 @@
 namespace postlens {
 namespace {
 
-/// Residuals (differences of picture_tone) above these limits count linearly instead of quadratically. The
-/// lens is fitted in two runs. The first run starts far from the true lens, so its limit is large. The limit
-/// of the last run is about the noise of an image with 256 samples per pixel.
+/// Residuals (differences of picture_tone) above these limits count linearly. The first of two fits starts
+/// far from the true lens. The last limit is the noise at 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the step of the central differences in the inverse focus distance 1/s, as a fraction of the range of
-/// inverse depths in the file.
+/// Half the step of the central differences in 1/s, as a fraction of the range of inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the square blocks from whose sums the standard errors are computed. Residuals in different
-/// blocks are assumed to be independent.
+/// Side, in px, of the blocks for the standard errors. Residuals of different blocks are assumed to be
+/// independent.
 constexpr std::size_t block_px = 16;
-/// Smallest accepted contrast of the image: the RMS difference between its tones (picture_tone) and their
-/// median. An image with less contrast shows no blur from which the lens could be estimated.
+/// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
+/// shows no blur.
 constexpr double least_spread = 1e-3;
-/// Largest accepted RMS residual of the best lens, as a fraction of the image's contrast (see least_spread).
-/// It is about 0.1 if the file shows the same view as the image, and almost 1 if it does not, because no lens
-/// then explains the image.
+/// Largest accepted residual of the best lens, as a fraction of the image's contrast. It is about 0.1 if the
+/// file shows the same view, and almost 1 if not.
 constexpr double most_left = 0.5;
-/// The error of the best lens must be at most this fraction of the error of the pinhole image. Otherwise the
-/// lens does not explain the image clearly better than the pinhole.
+/// Largest accepted error of the best lens, as a fraction of the pinhole image's error.
 constexpr double least_gain = 0.8;
-/// Minimum range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
-/// If the range is smaller, all objects have practically the same depth.
+/// Minimum range of inverse depths, as a fraction of the largest. With a smaller range, all objects have
+/// practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of either lens parameter. The parameters are the logarithm of the
-/// aperture, and the inverse focus distance 1/s as a fraction of the range of inverse depths.
+/// Largest accepted standard error of log aperture, and of 1/s as a fraction of the range of inverse depths.
 constexpr double most_error = 0.2;
-/// Further minima are reported if their error is less than this factor times the error of the best minimum.
+/// Further minima are reported if their error is below this factor times the best error.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -61,7 +56,7 @@ class Cost final : public ceres::CostFunction {
         set_num_residuals(static_cast<int>(residuals.size()));
         mutable_parameter_block_sizes()->push_back(2);
     }
-    /// The two parameters are the logarithm of the aperture (in mm) and the inverse focus distance (in 1/m).
+    /// Parameters: the logarithm of the aperture (mm), and the inverse focus distance (1/m).
     bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
         const LensPlace p{std::exp(parameters[0][0]), parameters[0][1]};
         residuals_.at(p, out, linear_from_);
@@ -92,11 +87,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The solver stops after a step that lowers the error by less than the fraction `tolerance`. With a
-    // tolerance of 1e-4, a further step would change the parameters by far less than 0.1 %.
+    // Stops after a step that lowers the error by a smaller fraction. At 1e-4, a further step would change
+    // the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The solver stops when a full step does not lower the error. A smaller trust region, and thus smaller
-    // steps, would not help: the image computed for a lens changes only in discrete steps.
+    // Stops if a full step does not lower the error. Smaller steps would not help, because the computed image
+    // changes in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -150,8 +145,7 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Computes the standard errors of the lens parameters at the minimum. Throws if one of them exceeds
-/// `most_error`.
+/// Computes the standard errors of the lens at the minimum. Throws if one exceeds `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -181,8 +175,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // A small determinant means that the derivatives with respect to aperture and focus are nearly
-    // proportional. The image then does not determine both parameters.
+    // A small determinant means that aperture and focus change the image alike. The image then does not
+    // determine both.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -192,8 +186,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Finds the minimum in two descents. Each descent uses only pixels in which the simulated blur is reliable
-/// for the lens with which the descent begins.
+/// Finds the minimum in two descents. Each uses only the pixels in which the blur of its first lens is
+/// reliable.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -201,16 +195,14 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if two lenses belong to the same minimum. The grid of the coarse search can split one minimum
-/// into several.
+/// Returns true if two lenses belong to the same minimum. The coarse search can split one.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Returns at most `most` starting points in different minima. For each point, the image is computed with
-/// `focus`, which is more accurate than the blur model of the coarse search. The points are sorted by the
-/// resulting error, and those with more than 1.5 times the smallest error are omitted.
+/// Returns at most `most` starting points in different minima, sorted by the error of the image that `focus`
+/// computes. Those above 1.5 times the smallest error are omitted.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -258,8 +250,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // If the image was blurred by a lens, even a rough starting point has a smaller error than the pinhole
-    // image.
+    // With lens blur, even a rough lens has a smaller error than the pinhole.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -282,8 +273,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each lens was fitted to a different set of pixels. To make the errors comparable, each one is divided
-    // by `spread`, the RMS difference of the image from its median tone in these pixels.
+    // Lenses were fitted to different pixels. Dividing by `spread`, the contrast there, makes their errors
+    // comparable.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -1,5 +1,4 @@
-// Estimates the lens that blurred an image. Needs a sample file, which contains the records of the same view
-// without blur.
+// Estimates the lens that blurred an image, from a sample file of the same view.
 #pragma once
 
 #include <string>

@@ -15,9 +15,9 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 
 /// Background colour behind the images and texts of a comparison.
 inline constexpr Rgb8 dark_background{24, 24, 24};
-/// Minimum width, in pixels, of an image with a legend. Narrower images would have no room for the text.
+/// Minimum width, in px, of an image with a legend, so that the text fits.
 inline constexpr int least_legend_width_px = 440;
-/// Distance between lines of text and margin around the text, in pixels at scale 1.
+/// Distance between lines of text, and margin around it, in px at scale 1.
 inline constexpr int text_line_px = 18, text_margin_px = 10;
 
 class Canvas {
@@ -26,15 +26,12 @@ class Canvas {
     /// Fills a rectangle, clipped at the border of the canvas.
     void fill(int x, int y, int width, int height, Rgb8 colour);
     void dot(int x, int y, Rgb8 colour);
-    /// Copies an image to the canvas. Its top left corner is placed at (x, y). The image must lie within the
-    /// canvas.
+    /// Copies an image to the canvas, with its top left corner at (x, y). It must lie within the canvas.
     void picture(int x, int y, const EncodedPicture& picture);
-    /// Writes ASCII text in white. The baseline of the text begins at (x, y). Capitals are 9 px high at a
-    /// `scale` of 1.
+    /// Writes ASCII text in white. Its baseline begins at (x, y). Capitals are 9 px high at `scale` 1.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
-    /// Returns the canvas as scene-linear values, which `write_image` encodes to exactly the bytes of the
-    /// canvas.
+    /// Returns the canvas as scene-linear values, for `write_image`. Its bytes are kept exactly.
     [[nodiscard]] Image image() const;
     [[nodiscard]] EncodedPicture encoded() const;
 

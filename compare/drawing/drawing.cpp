@@ -15,7 +15,7 @@ namespace {
 constexpr double dash_px = 6, gap_px = 4;
 constexpr int subpixel_bits = 6;
 
-// Converts coordinates to OpenCV's fixed-point format. Clamps them to 1e5 px so that they fit into an int.
+// Converts coordinates to OpenCV's fixed-point format. The limit of 1e5 px lets them fit into an int.
 cv::Point fixed(Drawing::Point p) {
     static constexpr double far = 1e5;
     const auto to = [](double v) {
@@ -42,8 +42,7 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // File names may contain control characters and non-ASCII bytes. These are replaced, because
-                // they can make the XML invalid.
+                // Control characters and non-ASCII bytes of file names can make the XML invalid.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }

@@ -1,4 +1,4 @@
-// Drawings of optics and curves, made of lines, areas and text. A drawing is written as SVG or as an image.
+// Drawings of lines, areas and text, written as SVG or as an image.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A figure on a white background. Coordinates are in pixels from the top left corner, with y pointing down.
-/// Each call draws over the earlier ones.
+/// A figure on a white background. Coordinates are in px from the top left corner, y down. Later calls draw
+/// over earlier ones.
 class Drawing {
   public:
     using Colour = std::array<std::uint8_t, 3>;
@@ -25,11 +25,11 @@ class Drawing {
     Drawing(int width_px, int height_px) : width_(width_px), height_(height_px) {}
 
     void line(std::vector<Point> points, Colour colour, double width_px = 1, bool dashed = false);
-    /// Draws a filled polygon with an outline. It must have at least three points.
+    /// Draws a filled polygon of at least three points, with an outline.
     void area(std::vector<Point> points, Colour fill, Colour edge, double width_px = 1);
     void dot(Point at, double radius_px, Colour colour);
-    /// Writes ASCII text. `anchor` selects whether the baseline begins, ends or is centred at `at`. Capitals
-    /// are size_px / 1.4 px high.
+    /// Writes ASCII text. At `at`, the baseline begins, ends or is centred, as `anchor` states. Capitals are
+    /// size_px / 1.4 px high.
     void text(Point at, double size_px, const std::string& words, Anchor anchor = Anchor::start);
 
     [[nodiscard]] std::string svg() const;
@@ -51,11 +51,11 @@ class Drawing {
     std::vector<Part> parts_;
 };
 
-/// Throws Error(wrong_arguments) unless the file name ends in .svg or in an extension that `write_image`
-/// supports. `others` lists further extensions to mention in the error message.
+/// Throws Error(wrong_arguments) unless the file name ends in .svg or an image extension. `others` lists
+/// further extensions for the message.
 void check_drawing_path(const std::filesystem::path& path, const char* others = "");
 
-/// Writes the drawing in the format given by the extension of the file name. Throws Error(cannot_write).
+/// Writes the drawing in the format of the file name's extension. Throws Error(cannot_write).
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing);
 
 }  // namespace postlens

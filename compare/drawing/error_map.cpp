@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb8 not_a_number{255, 0, 255};
 constexpr int legend_px = 60;
 
-// Makes the text grow with the image, so that it stays legible if the image is scaled to fit a screen.
+// Text grows with the image, so that it stays legible when scaled to a screen.
 double text_scale(int width) {
     return std::clamp(width / 1280.0, 1.0, 8.0);
 }
@@ -33,8 +33,7 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Returns the position of a difference on the logarithmic scale of the map, from 0 to 1. `steps` is the
-// difference in steps of 8-bit sRGB values.
+// Returns a difference's position on the map's logarithmic scale, 0 to 1. `steps` is in 8-bit sRGB steps.
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

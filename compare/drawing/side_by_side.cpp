@@ -12,7 +12,7 @@ namespace {
 
 constexpr int between_px = 8;
 
-// Positions and sizes in pixels. All three panels are as wide as the error map.
+// Positions and sizes in px. All panels are as wide as the error map.
 struct Layout {
     double scale = 0;
     int panel, gap, line, width, height, text_top;
@@ -36,7 +36,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
     for (int i = 0; i < 3; ++i) {
         const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;
         canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
-        // The error map was drawn with 8 bits per channel, so encoding restores its exact bytes.
+        // The error map has 8 bits per channel, so encoding restores its exact bytes.
         canvas.picture(x, top,
                        encoded_8bit(i == 0   ? image
                                     : i == 1 ? reference
@@ -45,7 +45,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
     int y = at.text_top + at.line - at.gap / 2;
     for (const auto& row : table) {
         const auto text_width = static_cast<double>(at.width - 2 * at.gap);
-        // The first column contains the names and is twice as wide as the others.
+        // The first column, which contains the names, is twice as wide.
         const double column = text_width / static_cast<double>(table.front().size() + 1);
         for (std::size_t i = 0; i < row.size(); ++i) {
             const double x = at.gap + (i == 0 ? 0 : static_cast<double>(i + 1) * column);

@@ -14,18 +14,15 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Blur diameters that the search tests. They increase by 0.5 px up to 8 px, and then by a 16th of the
-/// diameter.
+/// Tested blur diameters: in steps of 0.5 px up to 8 px, then of a 16th.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels to compare. More would not help, because the accuracy is limited by the tested
-/// apertures, which differ by about 10 %.
+/// Largest number of compared pixels. More would not help: the tested apertures differ by about 10 % anyway.
 constexpr std::size_t most_pixels = 12000;
-/// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the blur model
-/// itself has errors of about this size.
+/// Residuals above this limit count linearly. Beside depth edges, the blur model's own errors are about as
+/// large.
 constexpr double linear_from = 0.1;
 
-/// Luminances and inverse depths (1/m) of a downscaled image. Each value is the mean of `factor` x `factor`
-/// pixels.
+/// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
 struct Reduced {
     cv::Mat pinhole, picture, inverse_depth;
 };
@@ -54,8 +51,8 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
     return out;
 }
 
-/// Returns the kernel of a uniform disc. Its weights sum to 1. The weight of a pixel is the fraction of 8 x 8
-/// points in the pixel that lie inside the disc.
+/// Returns a uniform disc as a kernel whose weights sum to 1. Each weight counts the disc's share of 8 x 8
+/// points.
 cv::Mat disc(double diameter_px) {
     const int reach = static_cast<int>(std::ceil(diameter_px / 2));
     cv::Mat out = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
@@ -85,8 +82,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared robust residuals for every compared pixel and every blur diameter. Testing a lens takes
-/// one look-up per pixel, at the blur diameter that the lens causes there.
+/// Squared robust residuals for every compared pixel and blur diameter. Testing a lens takes one look-up per
+/// pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -114,8 +111,8 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS of the residuals for a lens. At the inverse depth d, the circle of confusion has the
-    /// diameter gain_px * |d - inverse_focus_per_m|. `gain_px`, in px m, is proportional to the aperture.
+    /// Returns the RMS residual of a lens. At inverse depth d, its blur diameter is gain_px * |d -
+    /// inverse_focus_per_m|. `gain_px`, in px m, is proportional to the aperture.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -173,8 +170,7 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // If neighbouring lenses of the grid have equal errors, only the first one is treated as
-                    // a minimum.
+                    // Of neighbouring lenses with equal errors, only the first counts as a minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -1,4 +1,4 @@
-// Finds starting points for fitting a lens, by testing a grid of lenses with a simple model of blur.
+// Finds starting points for fitting a lens, by testing a grid of lenses.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The two parameters of a lens that determine its blur if the field of view is fixed.
+/// The two lens parameters that determine blur at a fixed field of view.
 struct LensPlace {
     double aperture_mm = 0;          ///< F / n, > 0
     double inverse_focus_per_m = 0;  ///< 1 / s, 0 or more

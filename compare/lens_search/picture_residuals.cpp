@@ -13,15 +13,12 @@
 namespace postlens {
 namespace {
 
-/// Number of depths for which the blur of a lens is computed. It is large, so that the image changes smoothly
-/// with the lens.
+/// Number of depths for the blur of a lens. With many, the image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the step of the central differences in the logarithm of the aperture. It corresponds to 3 % of the
-/// aperture.
+/// Half the step of the central differences in log aperture: 3 % of the aperture.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Number of images in the cache: for each of two lenses, the blurred image and the four images from which
-/// its derivatives are computed.
+/// Images in the cache: for two lenses, the blurred image and four for its derivatives.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -58,8 +55,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver works with the logarithm of the aperture. If it returns to an earlier lens, the aperture may
-    // differ by a rounding error.
+    // The aperture of an earlier lens may return with a rounding error, because the solver uses its
+    // logarithm.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -68,8 +65,7 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // The file determines the field of view. The blur then depends only on the aperture F / n, so F can have
-    // any value.
+    // At a fixed field of view, blur depends only on the aperture F / n. So F can have any value.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

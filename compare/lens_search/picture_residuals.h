@@ -1,5 +1,4 @@
-// Computes the residuals between a given image and the image that a lens makes from the records of a sample
-// file (`focus`). Also computes the derivatives of the residuals with respect to the lens.
+// Computes the residuals between a given image and a lens's image of the records, and their derivatives.
 #pragma once
 
 #include <deque>
@@ -16,28 +15,23 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. `expected_pictures` is the expected number of images to compute, for the
-    /// progress display.
+    /// Keeps a reference to `file`. `expected_pictures` is for the progress display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Selects the pixels to compare from now on. `pixels` has one entry per pixel; 0 means that the pixel is
-    /// not used.
+    /// Selects the pixels to compare. `pixels` has one entry per pixel, 0 for unused pixels.
     void use(const std::vector<char>& pixels);
     /// Number of residuals, one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Computes the image of the lens `place` with `focus`. Writes to `out` the robust residuals between this
-    /// image and the image whose lens is searched. Residuals above `linear_from` count linearly instead of
-    /// quadratically.
+    /// Computes the image of the lens `place`, and writes its robust residuals to `out`. Residuals above
+    /// `linear_from` count linearly instead of quadratically.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes two derivatives per residual: with respect to the logarithm of the aperture, then with respect
-    /// to 1/s, where s is the focus distance in m. `focus_step_per_m` is half the step of the central
-    /// difference in 1/s.
+    /// Writes each residual's derivatives with respect to log aperture and to 1/s (s: focus distance in m).
+    /// `focus_step_per_m` is half the step in 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Writes the robust residuals between `image` and the image whose lens is searched. `of_even` uses a
-    /// constant image of the median tone instead of `image`.
+    /// Writes the robust residuals of `image`. `of_even` uses a constant image of the median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -55,8 +49,7 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of computed images, newest last. The solver often returns to a lens that it has evaluated
-    /// before.
+    /// Cache of computed images, newest last, because the solver often returns to a lens.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

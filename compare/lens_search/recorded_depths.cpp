@@ -9,18 +9,17 @@ namespace {
 
 /// Number of rows that are read at a time.
 constexpr int rows_per_band = 64;
-/// A pixel is a depth edge if the diameter of the circle of confusion varies by at least this many px within
-/// the pixel.
+/// A pixel is a depth edge if its circle of confusion varies by at least this many px.
 constexpr double edge_px = 1;
-/// Margin, in px, added to the radius of a circle of confusion. Light leaves from and arrives at any point of
-/// a pixel, not only its centre. Half the diagonals of two pixels are 1.41 px together.
+/// Margin, in px, added to the radius of a circle of confusion. Light travels between any points of two
+/// pixels, whose half diagonals sum to 1.41 px.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(x);
 }
 
-/// Adds a record to the pixel that contains it. A record on the border between two pixels is added to both.
+/// Adds a record to its pixel, or to both pixels if it lies on their border.
 void add(RecordedDepths& out, const Record& r, int x, int y) {
     const float inverse = 1 / r.z;
     for (int py = y - (r.y == static_cast<float>(y) ? 1 : 0); py <= y; ++py) {

@@ -1,5 +1,5 @@
-// Cube root and power computed with basic arithmetic only. The compiler can vectorise loops over these
-// functions, and the results are bit-identical on all machines.
+// Cube root and power in basic arithmetic, which compilers vectorise. Results are bit-identical on all
+// machines.
 #pragma once
 
 #include <bit>
@@ -7,10 +7,10 @@
 
 namespace postlens {
 
-/// Returns the cube root of v. v must be greater than 1e-30. The relative error is at most 3e-7.
+/// Returns the cube root of v > 1e-30, with a relative error of at most 3e-7.
 [[nodiscard]] inline float cube_root(float v) {
-    // The first estimate divides the exponent of the float by 3. Its relative error is below 0.06. Each of
-    // the two Halley steps cubes the relative error.
+    // The first estimate divides the float's exponent by 3, with an error below 0.06. Each Halley step cubes
+    // the error.
     auto r = std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) / 3 + 709921077U);
     for (int i = 0; i < 2; ++i) {
         const float cube = r * r * r;
@@ -19,11 +19,11 @@ namespace postlens {
     return r;
 }
 
-/// Returns v^exponent for 0 <= v < 1e30 and 0 <= exponent <= 1. The relative error is at most 2e-6. Returns 0
-/// if v is at most 1e-30, even if the exponent is 0.
+/// Returns v^exponent for 0 <= v < 1e30 and 0 <= exponent <= 1, or 0 for v <= 1e-30. The relative error is at
+/// most 2e-6.
 [[nodiscard]] inline float power(float v, float exponent) {
-    // Write v = m 2^e, where m lies in [sqrt(1/2), sqrt(2)). Then log2(v) = e + log2(m). The series for the
-    // logarithm is ln(m) = 2 artanh(s), where s = (m - 1) / (m + 1) and |s| < 0.172.
+    // v = m 2^e with m in [sqrt(1/2), sqrt(2)), so log2(v) = e + log2(m). ln(m) is 2 artanh(s), with s = (m -
+    // 1) / (m + 1).
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(v) - 0x3f3504f3U;
     const auto e = static_cast<float>(static_cast<std::int32_t>(bits) >> 23);
     const auto m = std::bit_cast<float>((bits & 0x007fffffU) + 0x3f3504f3U);
@@ -31,9 +31,8 @@ namespace postlens {
     const float log2 =
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
-    // Computes exp2(p). p is split into an integer and a fraction in [-1/2, 1/2]. A Taylor series gives exp2
-    // of the fraction. Adding 1.5 * 2^23 to p rounds p to an integer. This integer is then in the low bits of
-    // the sum.
+    // Computes exp2(p) from p's integer part and a Taylor series of the rest. Adding 1.5 * 2^23 rounds p to
+    // an integer, in the low bits of the sum.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

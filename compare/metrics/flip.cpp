@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-// Largest range of the exposures, in stops. This is the range of normal half floats, 2^-14 to 2^16.
+// Largest range of the exposures, in stops: that of normal half floats, 2^-14 to 2^16.
 constexpr double most_stops = 30;
 
 // Returns the luminance of a pixel. Negative channels count as 0.
@@ -18,7 +18,7 @@ double positive_luminance(const float* p) {
     return luminance(positive(p[0]), positive(p[1]), positive(p[2]));
 }
 
-// Returns the median. For an even number of values it is the mean of the two middle ones. Reorders `values`.
+// Returns the median: the mean of the two middle values if their number is even. Reorders `values`.
 double median(std::vector<double>& values) {
     const std::size_t half = values.size() / 2;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(half);
@@ -66,7 +66,7 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // If `start` and `stop` are equal, all exposures show the same image, so one exposure is enough.
+    // If `start` and `stop` are equal, one exposure is enough.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)

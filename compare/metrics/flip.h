@@ -1,4 +1,4 @@
-// FLIP error of two images. It estimates the difference that a person sees when flipping between them.
+// FLIP error of two images: the difference that a person sees when flipping between them.
 #pragma once
 
 #include <optional>
@@ -9,17 +9,16 @@
 
 namespace postlens {
 
-/// Pixels per degree of visual angle that FLIP assumes. They correspond to a display that is 0.7 m and 3840
-/// px wide, seen from a distance of 0.7 m [andersson2020, sec. 4].
+/// Pixels per degree of visual angle that FLIP assumes: 3840 px on 0.7 m, seen from 0.7 m [andersson2020,
+/// sec. 4].
 inline constexpr double flip_pixels_per_degree = 3840 * 3.14159265358979323846 / 180;
 
-/// Computes LDR-FLIP [andersson2020]. Returns one error per pixel, 0 to 1. Scene-linear values are clamped to
-/// 0..1. Pixels beyond the border repeat the nearest pixel. Both images are treated as black where `usable`
-/// is 0.
+/// Computes LDR-FLIP [andersson2020]: one error per pixel, 0 to 1. Scene-linear values are clamped to 0..1.
+/// Pixels beyond the border repeat the nearest pixel. Where `usable` is 0, both images are black.
 [[nodiscard]] std::vector<float> flip_map(const Image& reference, const Image& test, const PixelMask& usable);
 
-/// The exposures at which HDR-FLIP compares the images. There are `count` exposures, evenly spaced from
-/// `start` to `stop`, in stops.
+/// Exposures at which HDR-FLIP compares the images: `count` ones, evenly spaced from `start` to `stop`, in
+/// stops.
 struct FlipExposures {
     double start = 0, stop = 0;
     int count = 1;
@@ -34,9 +33,8 @@ struct FlipExposures {
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 
-/// Computes HDR-FLIP [andersson2021]. Returns one error per pixel, 0 to 1, which is the greatest LDR-FLIP
-/// error over all exposures. At each exposure, both images pass through a tone curve: the ACES approximation
-/// of [narkowicz2016].
+/// Computes HDR-FLIP [andersson2021]: each pixel's greatest LDR-FLIP error over all exposures, 0 to 1. At
+/// each exposure, both images pass the ACES tone curve of [narkowicz2016].
 [[nodiscard]] std::vector<float> hdr_flip_map(const Image& reference, const Image& test,
                                               const PixelMask& usable, const FlipExposures& exposures);
 

@@ -7,9 +7,8 @@
 #include "compare/metrics/fast_math.h"
 #include "core/multiversion.h"
 
-// Placed before a loop, this macro tells the compiler that the arrays in the loop do not overlap. The
-// compiler would otherwise not vectorise the loop, because the loop uses too many arrays for a check at run
-// time.
+// States that the arrays in the following loop do not overlap. There are too many for the compiler to check
+// before vectorising.
 #if defined(__clang__)
 #define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -21,12 +20,11 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Coefficients of the tone curve of [narkowicz2016]. Its argument is scaled by 0.6 to match the ACES curve.
+// Tone curve of [narkowicz2016]. Its argument is scaled by 0.6 to match the ACES curve.
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
-// Returns the values of `function` at 2 radius + 1 taps. The argument of `function` is the distance from the
-// centre tap, in px.
+// Returns 2 radius + 1 taps: `function` of the distance from the centre tap, in px.
 template <typename Function>
 std::vector<double> taps_of(int radius, const Function& function) {
     std::vector<double> taps;
@@ -34,8 +32,7 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps of a filter so that the positive taps sum to `share`, and the negative taps, if there are
-// any, to -share.
+// Scales the taps so that positive ones sum to `share`, and negative ones to -share.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -56,12 +53,10 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Each Gaussian has the form a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is an angle in degrees
-    // [andersson2020, table 1 and eq. 4].
+    // Gaussians a sqrt(pi/b) exp(-pi^2 x^2 / b), with x in degrees [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
-    // Width, in degrees, of the filter that detects edges and points. It is measured from peak to trough
-    // [andersson2020, sec. 4.2].
+    // Width, in degrees, of the detector of edges and points, from peak to trough [andersson2020, sec. 4.2].
     constexpr double detector_width = 0.082;
     const double sigma = 0.5 * detector_width * pixels_per_degree;
     const auto colour_radius =
@@ -108,16 +103,16 @@ FlipDisplay FlipDisplay::at_exposure(double stops) {
 }
 
 double flip_tone_curve_inverse(double level) {
-    // The tone curve is a quotient of two quadratic polynomials. Setting it equal to `level` gives the
-    // quadratic equation a x^2 + b x + c = 0, of which this is the positive root.
+    // The tone curve is a quotient of quadratics. Equal to `level`, it gives a x^2 + b x + c = 0, of which
+    // this is the positive root.
     const double a = tone_n2 - level * tone_d2, b = tone_n1 - level * tone_d1, c = -level * tone_d0;
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
 namespace {
 
-// These two matrices convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y and Z are divided by
-// those of white (D65), so the rows of both matrices sum to 1.
+// Convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y, Z are relative to white (D65), so the rows
+// sum to 1.
 constexpr float white_x = 0.9504559F, white_z = 1.0890578F;
 constexpr std::array<float, 9> xyz_from_rgb{0.4123908F / white_x, 0.3575843F / white_x, 0.1804808F / white_x,
                                             0.2126390F,           0.7151687F,           0.0721923F,
@@ -140,7 +135,7 @@ inline float lab_curve(float t) {
     return t > delta * delta * delta ? cube_root(t) : t / (3 * delta * delta) + 4.0F / 29;
 }
 
-// Returns L*a*b*, with a and b scaled by L/100 for the Hunt effect [andersson2020, sec. 4.1.2].
+// Returns L*a*b*, with a and b scaled for the Hunt effect [andersson2020, sec. 4.1.2].
 inline Colour hunt_lab(Colour rgb) {
     const Colour c = times(xyz_from_rgb, rgb);
     const float fx = lab_curve(c.x), fy = lab_curve(c.y), fz = lab_curve(c.z);
@@ -148,7 +143,7 @@ inline Colour hunt_lab(Colour rgb) {
     return {lightness, 0.01F * lightness * 500 * (fx - fy), 0.01F * lightness * 200 * (fy - fz)};
 }
 
-// Returns the HyAB distance raised to the power 0.7 [andersson2020, sec. 4.1.3].
+// Returns the HyAB distance to the power 0.7 [andersson2020, sec. 4.1.3].
 inline float colour_distance(Colour a, Colour b) {
     const float da = a.y - b.y, db = a.z - b.z;
     return power(std::abs(a.x - b.x) + std::sqrt(da * da + db * db), 0.7F);
@@ -158,7 +153,7 @@ inline float clamp01(float v) {
     return std::min(std::max(v, 0.0F), 1.0F);
 }
 
-// A tile of one image after the filters of FLIP: its colours in L*a*b*, and the strength of edges and points.
+// A tile after FLIP's filters: its colours in L*a*b*, and the strength of edges and points.
 struct Seen {
     TileChannel lightness, a, b, edges, points;
     Seen()
@@ -169,7 +164,7 @@ struct Seen {
           points(lightness.size()) {}
 };
 
-// Buffers for one tile. They are reused for the next image and exposure.
+// Buffers for one tile, reused for the next image and exposure.
 struct Scratch {
     explicit Scratch(int radius) : rows(tile_height + 2 * radius), row_length(tile_width + 2 * radius) {
         const auto in_size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(row_length);
@@ -252,8 +247,7 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     filter(s.in[1], filters.red_green, filters.red_green, s.out[1]);
     filter(s.in[2], filters.blue_yellow_1_row, filters.blue_yellow_1_column, s.out[2]);
     filter(s.in[2], filters.blue_yellow_2_row, filters.blue_yellow_2_column, s.out[3]);
-    // The edge detector and the point detector need the same Gaussian along rows. It is computed once for
-    // both.
+    // Both detectors need the same Gaussian along rows.
     filter_rows(s.in[0], s.rows, filters.gauss, s.half);
     filter_columns(s.half, filters.edge, s.out[5]);
     filter_columns(s.half, filters.point, s.out[7]);
@@ -262,12 +256,12 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Computes the FLIP error of tile p against tile q [andersson2020, sec. 4.1.3, 4.2 and 4.3]. Stores it in
-// `errors` where it is greater than the value there.
+// Computes the FLIP error of tiles p and q [andersson2020, sec. 4.1.3, 4.2, 4.3]. Raises `errors` to it where
+// it is greater.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
-    // The greatest possible colour distance is that between green and blue. A distance of 0.4 times this
-    // maximum is mapped to a colour error of 0.95.
+    // Green and blue have the greatest colour distance. 0.4 times this distance maps to a colour error of
+    // 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);

@@ -1,4 +1,4 @@
-// Computes LDR-FLIP of two images, tile by tile, at one or several exposures. Only flip.cpp uses it.
+// Computes LDR-FLIP of two images, tile by tile, at one or several exposures.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,15 @@
 
 namespace postlens {
 
-/// The filters of [andersson2020, sec. 4.1.1 and 4.2]. Each filter is the product of a filter along rows and
-/// a filter along columns. All of them have 2 radius + 1 taps, as many as the widest filter needs.
+/// The filters of [andersson2020, sec. 4.1.1 and 4.2]. Each is the product of a filter along rows and one
+/// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Filters of contrast sensitivity. The taps of `achromatic` and of `red_green` sum to 1. The blue-yellow
-    /// filter is a weighted sum of two Gaussians. The taps of each Gaussian sum to its weight.
+    /// Contrast sensitivity. Blue-yellow is a sum of two Gaussians, whose taps sum to their weights. All
+    /// other taps sum to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
-    /// A Gaussian, its first derivative and its second derivative. The positive taps of a derivative sum to 1
-    /// and the negative taps to -1.
+    /// A Gaussian and its two derivatives. Positive taps of a derivative sum to 1, and negative ones to -1.
     TileChannel gauss, edge, point;
     explicit FlipFilters(double pixels_per_degree);
 };
@@ -27,28 +26,25 @@ class FlipDisplay {
   public:
     /// Makes a display that only clamps the values.
     FlipDisplay() = default;
-    /// Returns the mapping of HDR-FLIP for one exposure: values are multiplied by 2^stops, and the tone curve
-    /// is applied.
+    /// Returns the mapping of HDR-FLIP for one exposure: multiplication by 2^stops, then the tone curve.
     static FlipDisplay at_exposure(double stops);
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
         const float v = (x * (n2_ * x + n1_)) / (x * (d2_ * x + d1_) + d0_);
-        // For very bright values, the terms of v overflow and v is NaN. The comparison is then false, and the
-        // result is white.
+        // Very bright values overflow to a NaN, for which this is false. The result is white.
         return v < 1 ? v : 1.0F;
     }
 
   private:
     float scale_ = 1;
-    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give f(x) = x.
+    // Tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give f(x) = x.
     float n2_ = 0, n1_ = 1, d2_ = 0, d1_ = 0, d0_ = 1;
 };
 
-/// Returns the argument at which the tone curve has the value `level`. `level` must lie between 0 and 1.
+/// Returns the argument at which the tone curve has the value `level`, in (0, 1).
 [[nodiscard]] double flip_tone_curve_inverse(double level);
 
-/// Sets `map` to the error of each pixel, or to the largest one if there are several `displays` (exposures).
-/// There must be at least one.
+/// Sets `map` to each pixel's error, the largest over all `displays` (exposures). There must be at least one.
 void flip_errors(const Image& reference, const Image& test, const PixelMask& usable,
                  const std::vector<FlipDisplay>& displays, std::vector<float>& map);
 

@@ -14,8 +14,7 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over the values in a block of pixels. A is the difference between the image and the first reference,
-// and B is the difference between the image and the second reference.
+// Sums over a block of pixels. A and B are the image's differences from the first and the second reference.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -33,11 +32,10 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Estimates the bias b that the sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy
-// values of the same pixel, and f1 and f2 are their encoded values. The mean of f1 and f2 has the bias b. The
-// mean of r1 and r2 has half the variance, so its encoded value has the bias b / 2. The difference, b / 2, is
-// doubled.
+// Estimates the bias b that sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy values of
+// a pixel, and f1 and f2 are encoded.
 double encoding_bias(float r1, float r2, float f1, float f2) {
+    // The mean of r1 and r2 has half the variance, and so the bias b / 2. The difference is doubled.
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));
 }
@@ -91,8 +89,7 @@ NoisyError error_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which
     return {.mse = product / values, .standard_error = std::sqrt(variance) / values};
 }
 
-// Returns the mean squared error of one reference, which is half the mean squared difference between two
-// independent references.
+// Returns the mean squared error of one reference: half the mean squared difference of two independent ones.
 double noise_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which, double values) {
     double noise = 0;
     for (const BlockSums& b : blocks) noise += (b.*which).noise;

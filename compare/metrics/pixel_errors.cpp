@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-// Returns the relative squared error of one pixel, averaged over its three channels.
+// Relative squared error of one pixel, averaged over its channels.
 double relative_squared_error(const float* a, const float* b) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -21,8 +21,7 @@ double relative_squared_error(const float* a, const float* b) {
     return sum / 3;
 }
 
-// Returns the mean squared difference over all channels of the pixels that `mask` counts. `pixels` is the
-// number of these pixels.
+// Mean squared difference over the channels of the `pixels` pixels that `mask` counts.
 double mean_squared(const Image& a, const Image& b, const PixelMask& mask, double pixels) {
     const auto width = static_cast<std::size_t>(a.width);
     const double sum = sum_of_rows(a.height, [&](std::size_t y) {
@@ -37,8 +36,7 @@ double mean_squared(const Image& a, const Image& b, const PixelMask& mask, doubl
     return sum / (3 * pixels);
 }
 
-// Returns the mean of the values after removing the `dropped` greatest ones. The remaining values are added
-// in the given order.
+// Returns the mean of the values without the `dropped` greatest ones. They are added in the given order.
 double trimmed_mean(const std::vector<double>& values, std::size_t dropped) {
     if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
     const std::size_t kept = values.size() - dropped;

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Minimum number of rows per task. In a small image, scheduling a task takes longer than computing one row.
+// Minimum rows per task. Scheduling a task takes longer than computing one short row.
 constexpr std::size_t grain_rows = 8;
 
 }  // namespace

@@ -7,8 +7,7 @@
 namespace postlens {
 namespace {
 
-// Number of output values that are computed at the same time. It is small enough for their sums to stay in
-// registers.
+// Output values computed together. Their sums stay in registers.
 constexpr std::size_t block_px = 32;
 static_assert(tile_width % block_px == 0);
 

@@ -1,4 +1,4 @@
-// Separable filters over a tile of an image. FLIP and SSIM use them.
+// Separable filters over a tile of an image, for FLIP and SSIM.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace postlens {
 
-/// Size, in px, of a tile of filtered pixels. A filter of radius r also reads r px beyond each side of the
-/// tile. The size is small enough for the data of a tile to fit into the cache of a core.
+/// Size, in px, of a tile of filtered pixels. Its data fit into the cache of a core. A filter of radius r
+/// also reads r px beyond each side.
 inline constexpr int tile_width = 128, tile_height = 64;
 
-/// Calls body(x0, y0) for each of the tiles that cover width x height. The calls run in parallel.
+/// Calls body(x0, y0) in parallel for the tiles that cover width x height.
 template <typename Body>
 void for_each_tile(int width, int height, const Body& body) {
     const int columns = (width + tile_width - 1) / tile_width,
@@ -25,16 +25,16 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile, row by row. For a filter of radius r, a tile has tile_height + 2r rows. A row has
-/// tile_width + 2r values before the filter along rows, and tile_width values after it.
+/// One channel of a tile, row by row. For a filter of radius r, there are tile_height + 2r rows. They have
+/// tile_width + 2r values, and tile_width after the filter along rows.
 using TileChannel = std::vector<float>;
 
-/// Filters a tile along rows. Rows of `in` have tile_width + taps - 1 values, and rows of `out` have
-/// tile_width values. The filter is a correlation: out[x] = sum_k taps[k] in[x + k].
+/// Filters a tile along rows: out[x] = sum_k taps[k] in[x + k]. Rows of `in` have tile_width + taps - 1
+/// values, and those of `out` tile_width.
 void filter_rows(const TileChannel& in, int rows, std::span<const float> taps, TileChannel& out);
 
-/// Filters a tile along columns. `in` has tile_height + taps - 1 rows, and `out` has tile_height rows. All
-/// rows have tile_width values.
+/// Filters a tile along columns. `in` has tile_height + taps - 1 rows of tile_width values, and `out` has
+/// tile_height.
 void filter_columns(const TileChannel& in, std::span<const float> taps, TileChannel& out);
 
 }  // namespace postlens

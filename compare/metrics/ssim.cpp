@@ -13,7 +13,7 @@ namespace {
 constexpr int window_radius = 5;
 constexpr std::size_t in_width = tile_width + 2 * window_radius, in_height = tile_height + 2 * window_radius;
 
-// Returns the taps of the Gaussian window. They sum to 1 [wang2004, sec. III-C].
+// Taps of the Gaussian window, which sum to 1 [wang2004, sec. III-C].
 std::array<float, 2 * window_radius + 1> window() {
     std::array<double, 2 * window_radius + 1> w{};
     double sum = 0;
@@ -27,9 +27,8 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// The moments from which the SSIM of two images a and b is computed. They include the mean and the variance
-// of the difference d = a - b. The resulting formula is equivalent to that of [wang2004]. It stays precise if
-// the images are nearly equal, because it does not subtract large, nearly equal sums.
+// Moments of two images a and b and of their difference d = a - b. The SSIM formula with d equals that of
+// [wang2004], but stays precise for nearly equal images.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

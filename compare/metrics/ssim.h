@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size. Returns one value per pixel.
-/// SSIM is computed from the Rec.709 luma of the sRGB values, with K1 = 0.01, K2 = 0.03 and a range of 1. The
-/// Gaussian window has 11 x 11 pixels and a standard deviation of 1.5 px. The outer 5 pixels are NaN, because
-/// a window around them would cross the border. Both images are treated as black where `usable` is 0. The
-/// SSIM of equal windows is exactly 1.
+/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size, per pixel, with K1 = 0.01, K2
+/// = 0.03 and range 1. It uses the Rec.709 luma of sRGB values.
+///
+/// The Gaussian window has 11 x 11 px and a standard deviation of 1.5 px. The outer 5 px are NaN, because
+/// windows there cross the border. Where `usable` is 0, both images are black.
 [[nodiscard]] std::vector<float> ssim_map(const Image& a_encoded, const Image& b_encoded,
                                           const PixelMask& usable);
 
