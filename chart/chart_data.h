@@ -1,4 +1,4 @@
-// Stores the measurements of a chart and converts them to JSON, CSV and Markdown.
+// Stores a chart's measurements and converts them to JSON, CSV and Markdown.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,25 @@
 
 namespace postlens {
 
-/// Error of an image against the reference of the chart. If there are two references, their difference gives
-/// the noise of the reference, which is then subtracted. NaN means that a value is unknown.
+/// Error of an image against the reference. With two references, the noise of the reference is subtracted.
+/// Unknown values are NaN.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
     double least_psnr_db = 0;  ///< PSNR at two standard errors, dB
     double greatest_psnr_db = 0;
 
-    /// Returns the root mean square error of the sRGB-encoded values, which lie in [0, 1].
+    /// Root mean square error of the sRGB-encoded values in [0, 1].
     [[nodiscard]] double rms() const;
 };
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// Errors against the first reference. The noise of the reference is subtracted from `relmse`, but not
-    /// from `ssim` and `flip`.
+    /// Errors against the first reference. Only `relmse` is without the reference's noise.
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file that methods read, and the time of its trace in seconds.
+/// A sample file that methods read, and its tracing time in seconds.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -40,17 +39,16 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the curve to which the point belongs. It is the method, followed by the name of the sample
-    /// file unless this is the file with the most records.
+    /// Name of the point's curve: the method, and the sample file unless it is the one with the most records.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image in a sweep (one call that makes many images with different lenses), one value per
-    /// round. `first_of_many_s` is the time of the first image, including the reading of the file.
-    /// `further_s` is the time of each further image. Both are empty for methods that are not timed in a
-    /// sweep.
+    /// Seconds per image in a sweep (one call for many images), one value per round. `first_of_many_s` is the
+    /// first image's time with reading the file, and `further_s` that of each further one.
+    ///
+    /// Both are empty for methods that are not timed in a sweep.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -58,20 +56,18 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the seconds per image if `pictures` images (may be infinite) are made from one sample file.
-    /// The time of its trace is divided equally among them. The images are made by single calls or by one
-    /// call for all (a sweep), whichever is faster.
+    /// Returns the seconds per image if `pictures` images, possibly infinite, share one trace. They are made
+    /// by single calls or by a sweep, whichever is faster.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 
 struct ChartData {
-    /// Text that identifies scene, view and reference. Only points of charts with the same key can be
-    /// compared.
+    /// Identifies scene, view and reference. Only charts with the same key are comparable.
     std::string key;
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// Error of the pinhole image made from the records, compared with a ray-traced pinhole image.
+    /// Error of the records' pinhole image against a ray-traced one.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;
@@ -82,14 +78,13 @@ struct ChartData {
     [[nodiscard]] const ChartTrace* trace_of(const ChartPoint& point) const;
 };
 
-/// Returns the median. For an even number of values, it is the mean of the two middle values. NaN if there
-/// are no values.
+/// Returns the median: the mean of the two middle values if their number is even. NaN without values.
 [[nodiscard]] double median(std::vector<double> values);
 
 [[nodiscard]] ChartError chart_error(const PixelErrors& plain, const std::optional<NoiseFloor>& noise);
 [[nodiscard]] ChartFigures chart_figures(const Comparison& comparison);
 
-/// JSON has neither NaN nor infinity. NaN becomes null, and infinity becomes the string "inf" or "-inf".
+/// Converts to JSON, which has no NaN or infinity: NaN becomes null, infinity "inf" or "-inf".
 [[nodiscard]] nlohmann::ordered_json exact_number(double value);
 /// Inverse of exact_number.
 [[nodiscard]] double number_from(const nlohmann::ordered_json& json);
@@ -100,10 +95,9 @@ struct ChartData {
 /// Inverse of to_json. Throws Error(invalid_input), whose message names the file `path`.
 [[nodiscard]] ChartData chart_from_json(const std::string& text, const std::filesystem::path& path);
 
-/// Returns CSV with one row per point. The columns are settings, seconds (median, least, greatest) and
-/// errors.
+/// Returns CSV with one row per point: settings, seconds (median, least, greatest) and errors.
 [[nodiscard]] std::string chart_csv(const ChartData& data);
-/// Returns a Markdown table with the columns of chart_csv and one row per point.
+/// Returns a Markdown table with the columns of chart_csv.
 [[nodiscard]] std::string chart_markdown(const ChartData& data);
 
 }  // namespace postlens

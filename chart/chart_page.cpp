@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Escapes '<'. Otherwise text within a script element could be read as the end tag of the element.
+// Escapes '<', which could otherwise end the script element.
 std::string script_safe(const std::string& json) {
     std::string out;
     for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);

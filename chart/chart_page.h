@@ -1,4 +1,4 @@
-// Writes a chart as one self-contained HTML page, which needs no network.
+// Writes a chart as one self-contained HTML page.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// Returns HTML with embedded images. The page shows the plots (if `folder` has any), the table, the machine,
-/// and the versions of the programs. For every point, it shows the image and its error map with a slider
-/// between them. `folder` is the output folder of run_chart. Throws Error(invalid_input) if an image in
-/// `folder` cannot be read.
+/// Returns HTML with embedded images: plots, the table, the machine, and each point's image and error map
+/// with a slider between them.
+///
+/// `folder` is the output folder of run_chart. Throws Error(invalid_input) if an image there cannot be read.
 [[nodiscard]] std::string chart_page(const ChartData& data, const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden surfaces, and one that subdivides pixels only once.
-// Comparing them shows how much hidden surfaces and fine subdivision contribute.
+// Plans three traces: the best one, one without hidden surfaces, and one with pixels subdivided once.
+// Comparing them shows what these contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -50,8 +50,7 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // The method hybrid traces rays wherever the records are not sufficient, so coarse records suffice for
-    // it.
+    // Coarse records suffice for hybrid, because it traces rays where they do not.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
@@ -77,8 +76,7 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
-// Checks the lens before the trace does, so that error messages name the options of `chart` and not those of
-// `trace`.
+// Checks the lens before the trace does, so that messages name the options of `chart`.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

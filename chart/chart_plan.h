@@ -1,4 +1,4 @@
-// The plan of a chart. It lists the sample files to trace and the methods to run, with their settings.
+// The plan of a chart: the sample files to trace, and the methods to run.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart. Values that are absent in the request are taken from the scene.
+/// Lens, shutter and camera of a chart, completed by those of the scene.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number that gives the trace the same lens diameter as the image. The trace computes it
-    /// as film distance / f-number instead of focal length / f-number.
+    /// Returns the f-number that gives the trace the image's lens diameter. The trace divides the film
+    /// distance by it, not the focal length.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -32,7 +32,7 @@ struct PlannedTrace {
     TraceSettings settings;
 };
 
-/// One point of the chart: a method and the settings with which it makes an image.
+/// One point of the chart: a method and its settings.
 struct PlannedPoint {
     enum class Kind { focus, motionblur, shoot, rays };
     Kind kind = Kind::focus;
@@ -47,18 +47,17 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Throws Error(wrong_arguments) if neither the request nor the scene defines the lens. Also throws it if
-/// nothing would blur the image, because the f-number is infinite and there is no shutter.
+/// Throws Error(wrong_arguments) if the lens is not defined, or if nothing blurs (infinite f-number and no
+/// shutter).
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Returns settings of a trace that records every surface that some point of the lens sees during the shutter
-/// interval of this view.
+/// Returns settings of a trace that records every surface visible from the lens while the shutter is open.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings of distributed ray tracing for this view. The caller must set the samples per pixel
-/// (`spp`), the seed, and whether two half images are made (`halves`).
+/// Returns settings of distributed ray tracing. The caller must set the samples per pixel (`spp`), the seed
+/// and `halves`.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

@@ -24,8 +24,7 @@ struct Range {
     }
 };
 
-// These colours (by Okabe and Ito) can be distinguished by colour-blind readers. The marks differ in shape,
-// so the curves can also be distinguished in greyscale.
+// Colours by Okabe and Ito, which colour-blind readers can distinguish. Marks differ in shape, for greyscale.
 struct Style {
     const char* colour;
     int mark, dash;
@@ -39,8 +38,7 @@ Style style_of(const std::string& curve, const std::map<std::string, int>& varia
     const std::string base = curve.substr(0, curve.find(','));
     const auto it = known.find(base);
     Style out = it == known.end() ? Style{"#56b4e9", 3, 1} : it->second;
-    // Curves of one method have the same colour. A curve for a sample file with fewer records has dashed
-    // lines and hollow marks.
+    // Curves of one method share a colour. Those of files with fewer records are dashed, with hollow marks.
     if (const int v = variants.at(curve); v > 0) {
         out.dash = 1 + v;
         out.mark -= 1;
@@ -64,8 +62,7 @@ bool is_drawn(const ChartPoint& p, bool affected) {
     return p.figures && std::isfinite(error_of(p, affected).psnr_db) && p.median_s() > 0;
 }
 
-// Returns the tick marks of the error axis. They are RMS errors, but their labels are the equivalent PSNR in
-// dB.
+// Returns the ticks of the error axis: RMS errors, labelled with the PSNR in dB.
 std::string decibel_tics(const Range& y) {
     std::string out;
     for (int db = 0; db <= 120; db += 5) {

@@ -1,5 +1,4 @@
-// The plots of a chart. One shows error against the time of a single image. The other shows error against the
-// cost per image if many images share a trace.
+// The plots of a chart: error against the time of one image, and against the cost per image.
 #pragma once
 
 #include <string>
@@ -8,15 +7,14 @@
 
 namespace postlens {
 
-/// Returns a gnuplot script that plots, for each method, the error against the seconds of one image. The time
-/// of the trace is not included. The plot also shows the Pareto frontier of all points, the noise floor (the
-/// error of the reference), and the error of the records (measured without blur). If `affected` is set, the
-/// plot shows only the errors of the pixels that blur affects, without noise floor and error of the records.
+/// Returns a gnuplot script that plots each method's error against the seconds of one image, without the
+/// trace. It also shows the Pareto frontier, the noise floor, and the error of the records without blur.
+///
+/// With `affected`, it shows only the errors of the pixels that blur affects.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share one
-/// trace. It shows the Pareto frontiers of the methods that read sample files, and the curve of distributed
-/// ray tracing.
+/// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share a
+/// trace, beside that of ray tracing.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Settings of a chart. A chart compares methods for one scene with one lens and one shutter.
+// Settings of a chart, which compares methods for one scene, lens and shutter.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// Seed of the ray-traced reference images. A fixed seed makes charts repeatable.
+/// Seed of the ray-traced references. It makes charts repeatable.
 inline constexpr std::uint64_t reference_seed = 1;
 
 struct ChartRequest {
@@ -33,28 +33,27 @@ struct ChartRequest {
 
     /// Samples per pixel of each half of the reference.
     int reference_spp = 1024;
-    /// Files of an existing reference, and of a second reference with independent noise. If both are absent,
-    /// two references are rendered.
+    /// Files of an existing reference, and of a second one with independent noise. Without them, both are
+    /// rendered.
     std::optional<std::filesystem::path> reference, second_reference;
 
     std::vector<int> spp{1, 4, 16, 64, 256, 1024};
     std::vector<int> views{16, 64, 256};
     std::vector<int> depths{8, 32, 128};
-    /// Each round measures every point once. Points that take longer than `once_above_s` are measured only in
-    /// the first round.
+    /// Each round measures every point once. Points slower than `once_above_s` are measured only in the
+    /// first.
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
 
-    /// If set, measures only every N-th point of the plan (one of N shares). The results are written to
-    /// chart.I-of-N.json. A later chart of all points in the same folder uses these measurements.
+    /// If set, measures only every N-th point, into chart.I-of-N.json. A later chart of all points in the
+    /// same folder uses these measurements.
     std::optional<Share> share;
     std::string part;      ///< JSON that the chart of a share stores under the key "part"; may be empty
     Join join = Join::no;  ///< if not `no`, no point is measured
 };
 
-/// Throws Error(wrong_arguments) if a number is out of range, or if there is a second reference but no first
-/// one.
+/// Throws Error(wrong_arguments) if a number is out of range, or for a second reference without a first.
 void check_chart_request(const ChartRequest& request);
 
 }  // namespace postlens

@@ -67,8 +67,8 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points that a request measures (all, or every N-th for a share), and the traces that these
-/// points need. The first trace is always included, because the pinhole image is made from it.
+/// Returns the points to measure (all, or every N-th for a share), and their traces. The first trace is
+/// always included, because it gives the pinhole image.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -102,8 +102,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // The traces run first, because the methods read their files. The pinhole image is also made from a
-        // trace. It is needed to find which pixels are affected by blur.
+        // Traces run first, because methods and the pinhole image need their files. The pinhole image shows
+        // which pixels blur affects.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -143,8 +143,7 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // The shares of a chart write their images to the same folder. A run of one share must not remove the
-        // images of others.
+        // Shares write to the same folder, so a share must not remove the images of others.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -156,8 +155,7 @@ class Runner {
         save();
     }
 
-    // Handles missing points when the shares of a chart are joined. If all points are required, an error is
-    // thrown. Otherwise the missing points are omitted.
+    // Handles missing points when shares are joined: throws if all are required, and otherwise omits them.
     void check_join(std::vector<std::string>& missing) {
         for (const ChartPoint& p : data_.points)
             if (!p.figures) missing.push_back(p.name);
@@ -169,8 +167,7 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Throws an error if an input lies in the output folder and has the name of an output, because the run
-    // would overwrite or remove it.
+    // Throws if an input in the output folder would be overwritten or removed.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -218,8 +215,7 @@ class Runner {
         save();
     }
 
-    // Returns the path of a sample file. If an earlier run has measured the trace and removed the file, the
-    // file is traced again.
+    // Returns the path of a sample file. It is traced again if an earlier run removed it.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -262,9 +258,8 @@ class Runner {
         save();
     }
 
-    // Returns the error of the pinhole image that is made from the records, relative to a ray-traced pinhole
-    // image. It is not 0, because the mean of a pixel's corner samples differs from the integral over the
-    // pixel. Methods that read the records have this error too, unless blur averages it out.
+    // Returns the error of the records' pinhole image against a ray-traced one. It is not 0, because a
+    // pixel's corner samples are not its integral. Methods share it, unless blur averages it out.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -296,8 +291,7 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // A sweep makes images of one sample file with different lenses. Only methods that depend on the lens
-        // are timed in a sweep.
+        // A sweep varies the lens, so only methods that depend on it are timed.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -312,8 +306,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. The lenses of a sweep differ, so the first image is made with the lens of
-    // the chart stopped down by a sixth of a stop.
+    // Times a sweep of two images. The first has the lens stopped down by a sixth of a stop, because lenses
+    // of a sweep differ.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

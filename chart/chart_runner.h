@@ -1,4 +1,4 @@
-// Measures the points of a chart's plan in rounds. An interrupted run resumes where it stopped.
+// Measures the points of a chart's plan in rounds. An interrupted run resumes.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +31,7 @@ struct ChartRun {
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 
-/// Returns a file name for the point `name`. It consists of letters, digits, '-', '_' and '.'.
+/// Returns a file name for a point, made of letters, digits, '-', '_' and '.'.
 [[nodiscard]] std::string point_file_name(const std::string& name);
 
 }  // namespace postlens

@@ -18,7 +18,7 @@ std::string with_every(std::string text, const std::string& what, const std::str
     return text;
 }
 
-// Quotes a path for gnuplot. Within single quotes, only single quotes need to be escaped, by doubling them.
+// Quotes a path for gnuplot. Single quotes are escaped by doubling.
 std::string quoted(const fs::path& path) {
     return fmt::format("'{}'", with_every(path.string(), "'", "''"));
 }

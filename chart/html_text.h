@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// Returns a data URL that contains the bytes of an image file, for embedding in a page. `type` is "png" or
-/// "svg+xml". Throws Error(invalid_input) if the file cannot be read.
+/// Returns a data URL with the bytes of an image file. `type` is "png" or "svg+xml". Throws
+/// Error(invalid_input) if the file cannot be read.
 [[nodiscard]] std::string picture_url(const std::filesystem::path& path, const char* type);
 
-/// Returns the text with <, >, & and " replaced by HTML entities.
+/// Replaces <, >, & and " by HTML entities.
 [[nodiscard]] std::string html_escaped(const std::string& text);
 
 }  // namespace postlens

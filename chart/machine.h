@@ -5,8 +5,7 @@
 
 namespace postlens {
 
-/// Returns the processor, its cores, the threads in use, the memory, the compiler, and the versions of the
-/// main libraries.
+/// Returns the processor, cores, threads, memory, compiler and library versions.
 [[nodiscard]] nlohmann::ordered_json machine_json();
 
 }  // namespace postlens

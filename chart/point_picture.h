@@ -1,4 +1,4 @@
-// Makes the image of one point of a chart, which is a method with certain settings.
+// Makes the image of one point of a chart.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,18 @@
 
 namespace postlens {
 
-/// Makes the images of the points of a chart. Its functions set `retraced` to the fraction of the image that
-/// was computed by rays, and `warnings` to the codes of the warnings that occurred.
+/// Makes the images of a chart's points. `retraced` receives the fraction computed by rays, and `warnings`
+/// the codes of warnings.
 class PointPictures {
   public:
     /// Keeps references to all arguments.
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Returns the image of a point, made from the sample file `path`. The method `rays` does not read the
-    /// file.
+    /// Returns a point's image, made from the sample file `path`, which `rays` does not read.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Returns the image of a point with the given lens, made from the records of `frame`.
+    /// Returns a point's image through the given lens, from the records of `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

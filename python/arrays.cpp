@@ -14,8 +14,7 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The records of one instant of a file. The columns are numpy views of the records. Each view keeps the
-/// memory of the records alive.
+/// The records of one instant. Columns are numpy views, which keep the records' memory alive.
 class Records {
   public:
     explicit Records(RecordBand band) : band_(std::move(band)) {}
@@ -46,7 +45,7 @@ class Records {
         const auto& all = records->band_.records;
         return all.empty() ? nullptr : static_cast<const void*>(&(all.front().*member));
     }
-    /// Returns a view with one element per record. An element is a value, or an array of the given shape.
+    /// Returns a view with one value, or one array of the given shape, per record.
     template <typename Value>
     [[nodiscard]] static py::array view(const std::shared_ptr<Records>& records, const void* first,
                                         std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {
@@ -68,7 +67,7 @@ class Records {
 std::shared_ptr<Records> read_records(const std::filesystem::path& path, std::size_t key, bool salvage) {
     std::shared_ptr<Records> out;
     run_job(0, py::none(), [&] {
-        // With an exposure of 0 stops, the reader returns the radiance as it is stored in the file.
+        // An exposure of 0 stops gives the radiance as stored.
         const SampleFileReader file(path, salvage ? Damage::salvage : Damage::refuse, 0.0);
         if (key >= file.instants()) {
             fail(ExitCode::wrong_arguments, "key: the file has no such instant (got {}; expected 0 to {})",

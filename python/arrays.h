@@ -10,11 +10,10 @@ namespace postlens::python {
 
 using Pixels = pybind11::array_t<float, pybind11::array::c_style>;
 
-/// Returns an array of (height, width, 3) floats, or of (height, width, 4) floats if the image has alpha. An
-/// array without alpha takes over the memory of the image.
+/// Returns an array of (height, width, 3) floats, or 4 with alpha. Without alpha, the array takes over the
+/// image's memory.
 [[nodiscard]] pybind11::array array_of(Image image);
-/// Returns an image made from an array of (height, width, 3 or 4) floats. The colours are radiance times
-/// 2^exposure_stops.
+/// Returns an image from an array of (height, width, 3 or 4) floats: radiance times 2^exposure_stops.
 [[nodiscard]] Image image_of(const Pixels& pixels, const std::optional<double>& exposure_stops);
 
 /// Adds `Records` and `read_records` to the module.

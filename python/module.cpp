@@ -1,4 +1,4 @@
-// The extension module postlens._postlens, on which the public Python API in postlens/*.py is built.
+// The extension module postlens._postlens, below the public API in postlens/*.py.
 #include <memory>
 #include <optional>
 #include <pybind11/pybind11.h>
@@ -19,8 +19,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command. `json` is its report, and `pictures` are the images that it did not write to
-/// files. Each warning has a code, a text and the fraction of the pixels that it concerns.
+/// The result of a command: its report `json`, and the images that it did not write. Warnings have a code, a
+/// text and the fraction of affected pixels.
 struct Outcome {
     std::string json;
     py::object text;

@@ -1,4 +1,4 @@
-// Runs work in a second thread. The calling thread handles the signals of Python.
+// Runs work in a second thread, while the calling thread handles Python's signals.
 #pragma once
 
 #include <functional>
@@ -18,11 +18,10 @@ namespace postlens::python {
 /// the exception is thrown again when the work has stopped.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
-/// Converts a text to a str of Python. Bytes that are not UTF-8, which occur in names of files, become
-/// surrogates.
+/// Converts text to a Python str. Bytes that are not UTF-8, as in file names, become surrogates.
 [[nodiscard]] pybind11::object text_of(const std::string& text);
 
-/// Calls `call` in the calling thread. Errors of postlens are converted to postlens.Error.
+/// Calls `call`. Errors of postlens become postlens.Error.
 void translated(const std::function<void()>& call);
 
 }  // namespace postlens::python

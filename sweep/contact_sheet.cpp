@@ -13,20 +13,20 @@ namespace {
 
 constexpr Rgb8 background{24, 24, 24}, not_there{48, 48, 48};
 constexpr int gap_px = 6, line_px = 18;
-/// Approximate width of the contact sheet, and smallest and largest width of a thumbnail, in px.
+/// Approximate width of the sheet, and limits of a thumbnail's width, in px.
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 
-/// Returns the requested number of columns if it gives a grid of thumbnails that are large enough to see.
-/// Otherwise returns the number of columns of a roughly square grid.
+/// Returns the requested number of columns if the thumbnails are large enough, or else that of a roughly
+/// square grid.
 std::size_t columns_for(std::size_t pictures, std::size_t wanted) {
     if (wanted > 1 && wanted < pictures && wanted <= most_columns) return wanted;
     const auto square = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(pictures))));
     return std::clamp<std::size_t>(square, 1, most_columns);
 }
 
-/// The source pixels [begin, end) that one pixel of the smaller image covers along one axis. `first` and
-/// `last` are the fractions (0 to 1) of the first and last source pixel that are covered.
+/// The source pixels [begin, end) under one pixel of the smaller image, along one axis. `first` and `last`
+/// are the covered fractions of the two end pixels.
 struct Span {
     int begin = 0, end = 0;
     double first = 1, last = 1;
@@ -94,8 +94,7 @@ void ContactSheet::set(std::size_t i, const Image& picture) {
 }
 
 EncodedPicture ContactSheet::picture() const {
-    // All captions have the same font size. The size is chosen so that the longest caption fits into its
-    // cell.
+    // The longest caption determines the font size of all.
     int widest = 1;
     for (const std::string& c : captions_) widest = std::max(widest, Canvas::text_width(1, c));
     const double scale = std::min(1.0, static_cast<double>(width_) / widest);

@@ -1,4 +1,4 @@
-// A contact sheet is one image that shows many images as thumbnails with captions.
+// A contact sheet: one image of many thumbnails with captions.
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,20 @@
 
 namespace postlens {
 
-/// A contact sheet. Its images can be added in any order. The cell of an image that has not been added is
-/// dark grey.
+/// A contact sheet. Images can be added in any order; missing ones are dark grey.
 class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;
 
-    /// `captions` holds one ASCII caption per image, for 1 to `most_pictures` images. `columns` is the
-    /// requested number of columns. If this number would give a single row, a single column, or thumbnails
-    /// that are too small to see, the sheet is made roughly square.
+    /// `captions` holds one ASCII caption per image, 1 to `most_pictures`. If `columns` gives a single row, a
+    /// single column or tiny thumbnails, the sheet is roughly square instead.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);
     [[nodiscard]] EncodedPicture picture() const;
 
     [[nodiscard]] std::size_t columns() const { return columns_; }
-    /// Returns the size of a thumbnail, in px. A thumbnail is never larger than the image.
+    /// Size of a thumbnail, in px, at most that of the image.
     [[nodiscard]] ImageSize thumbnail() const { return {width_, height_}; }
 
   private:
@@ -35,8 +33,8 @@ class ContactSheet {
     std::vector<EncodedPicture> small_;  ///< thumbnails; empty if not set
 };
 
-/// Scales an image down with a box filter. Each pixel becomes the mean of the area that it covers, in
-/// scene-linear values. The new width and height must be at least 1 px and at most those of the image.
+/// Scales an image down with a box filter: each pixel is the mean of its area, in scene-linear values. The
+/// new size is at least 1 px, and not larger.
 [[nodiscard]] Image made_smaller(const Image& image, int width, int height);
 
 }  // namespace postlens

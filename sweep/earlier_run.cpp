@@ -16,7 +16,7 @@
 namespace postlens {
 namespace {
 
-/// Returns the XXH3 checksum of a file's bytes. Empty if the file cannot be read.
+/// XXH3 checksum of a file's bytes. Empty if it cannot be read.
 std::optional<std::uint64_t> file_checksum(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return std::nullopt;

@@ -31,12 +31,10 @@ void luminances(const float* __restrict rgb, std::size_t width, double* __restri
     }
 }
 
-/// Returns the sum of the squared differences between each pixel of a row and its neighbours to the right and
-/// below.
+/// Sums the squared differences of a row's pixels from their neighbours to the right and below.
 POSTLENS_MULTIVERSION
 double squared_steps(const double* here, const double* below, std::size_t width) {
-    // With a fixed number of partial sums, every instruction set adds in the same order and gives
-    // bit-identical results.
+    // A fixed number of partial sums gives bit-identical results on every instruction set.
     constexpr std::size_t lanes = 8;
     double sums[lanes] = {};
     const auto step = [&](std::size_t x) {
@@ -67,8 +65,7 @@ FrameDepths frame_depths(FocusFrame& frame) {
         for (int y = begin; y < end; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width);
             for (int x = 0; x < h.width; ++x) {
-                // The first record of a pixel describes the surface that the eye ray through the pixel's
-                // upper left corner hits first.
+                // A pixel's first record is the directly visible surface at its upper left corner.
                 const std::size_t k = rows.band->pixel(x, y);
                 const std::uint32_t first = rows.band->offsets[k];
                 if (first == rows.band->offsets[k + 1]) continue;
@@ -90,8 +87,7 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Number of rows per block. The luminances of a block's first row are computed twice, because the block
-    // above also needs them.
+    // Rows per block. A block's first row is computed twice, because the block above also needs it.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

@@ -15,8 +15,7 @@
 namespace postlens {
 namespace {
 
-/// Formats the values with the smallest number of digits that keeps them distinct, but with at least
-/// `digits`.
+/// Formats the values with as few digits as keep them distinct, at least `digits`.
 template <typename Value, typename Format>
 std::vector<std::string> distinct_labels(const std::vector<Value>& values, int digits, const Format& format) {
     std::vector<std::string> out;
@@ -32,8 +31,7 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     return distinct_labels(values, 4, [](double v, int digits) { return fmt::format("{:.{}g}", v, digits); });
 }
 
-/// Returns a name for each impulse response, made of letters, digits, dots and dashes. A number is appended
-/// to names that would otherwise be equal.
+/// Names each impulse response with letters, digits, dots and dashes. Numbers distinguish equal names.
 std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     std::vector<std::string> out;
     for (const Impulse& i : impulses) {
@@ -50,7 +48,7 @@ std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     return out;
 }
 
-/// Returns a name for each shutter. A shutter that is open from 0 s to 0.02 s is named "0to0.02".
+/// Names each shutter: "0to0.02" is open from 0 s to 0.02 s.
 std::vector<std::string> labels_of(const std::vector<TimeSpan>& spans) {
     return distinct_labels(spans, 6, [](const TimeSpan& s, int digits) {
         return fmt::format("{:.{}g}to{:.{}g}", s.open_s, digits, s.close_s, digits);
@@ -74,8 +72,7 @@ void check_not_empty(bool empty, const char* option) {
          "{}: missing (got nothing; expected a list, as the sample file names no value)", option);
 }
 
-/// Builds the file name and the caption of an image from its settings. The caption contains only settings
-/// that vary in the sweep.
+/// Builds an image's file name and caption. The caption contains only settings that vary.
 struct Words {
     std::string name, caption;
     void add(const std::string& part, const std::string& words, bool varies) {

@@ -1,4 +1,4 @@
-// The images of a sweep: one image for every combination of its settings, in a fixed order, each with a name.
+// The images of a sweep: every combination of its settings, with a name.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,8 @@
 
 namespace postlens {
 
-/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value.
-/// Images with a lens prescription as impulse response use its focal length instead of `focal_lengths_mm`,
-/// and its f-number instead of an empty list `f_numbers`.
+/// The values of each varied setting. All lists except `shutters` need at least one. A lens prescription
+/// replaces `focal_lengths_mm`, and an empty list `f_numbers`.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -32,8 +31,7 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Length of a row of the contact sheet, which is the number of values of the setting that varies
-    /// fastest.
+    /// Length of a row of the contact sheet: the number of values that vary fastest.
     std::size_t row = 1;
 };
 
@@ -48,8 +46,8 @@ struct SweepGrid {
 /// throws the errors of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
-/// Replaces the placeholder in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Returns an empty
-/// value unless the pattern contains exactly one placeholder.
+/// Replaces the one placeholder in a pattern such as "NAME.%04d" by `i`. Returns nothing for any other
+/// pattern.
 [[nodiscard]] std::optional<std::string> numbered_name(const std::string& pattern, std::size_t i);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Makes many images of one sample file, whose records are read and prepared only once.
+// Makes many images of one sample file, which is read only once.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@
 
 namespace postlens {
 
-/// Settings that are common to all images of a sweep. Their names and defaults are those of the command
-/// `focus`, or of the command `shoot` if there is a shutter.
+/// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or of
+/// `shoot` with a shutter.
 struct PictureSettings {
-    /// The method. If absent, images with a shutter use lightfield, and other images use the default method
-    /// for the file (usual_method). With a shutter, only lightfield, hybrid and automatic are allowed.
+    /// If absent, lightfield with a shutter, and otherwise the file's default (usual_method). A shutter
+    /// allows only lightfield, hybrid and automatic.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -32,23 +32,23 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// The PSNR, in dB, that the method `automatic` must reach. If target, scene and shutter are all absent,
-    /// `automatic` uses the default method for the file.
+    /// PSNR, in dB, that `automatic` must reach. Without target, scene and shutter, `automatic` uses the
+    /// file's default method.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
-/// Number of views that are averaged for an image with a shutter, if the settings give no number.
+/// Default number of views for an image with a shutter.
 inline constexpr int default_shutter_views = 128;
 
-/// Throws Error(wrong_arguments) if a number of depths or views is given for a method that does not use it.
-/// `method` must not be `automatic`; the caller first replaces it by the method that it selects.
+/// Throws Error(wrong_arguments) if the method does not use a given number of depths or views. `method` must
+/// not be `automatic`.
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
-/// Throws Error(wrong_arguments) if --depth-spacing or --depth-model is given for a method that does not use
-/// it. --depth-model selects how depth is measured through mirrors and glass.
+/// Throws Error(wrong_arguments) if the method does not use a given --depth-spacing or --depth-model (depth
+/// through mirrors and glass).
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments) if the option `name` (--scene or --explain) is given, but `method` traces no
-/// rays. Only used for images without a shutter.
+/// Throws Error(wrong_arguments), naming the option `name`, if `method` traces no rays. Only for images
+/// without a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -60,14 +60,12 @@ struct MadePicture {
     std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes images one at a time. Each image is bit-identical to the result of focus_picture, hybrid_picture or
-/// auto_picture with the same settings. For a pinhole (f/inf) with a shutter, it is bit-identical to the
-/// result of motion_blur.
+/// Makes images one at a time. Each is bit-identical to that of focus_picture, hybrid_picture or
+/// auto_picture, or of motion_blur for a pinhole with a shutter.
 class PictureMaker {
   public:
-    /// Keeps a reference to `file`. Throws Error(wrong_arguments) if there is a shutter and the method does
-    /// not support one. Throws Error(invalid_input) if a motion path has an object id that is not in the
-    /// file.
+    /// Keeps a reference to `file`. Throws Error(wrong_arguments) if the method does not support a shutter,
+    /// and Error(invalid_input) for motion paths of unknown ids.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;
@@ -79,7 +77,7 @@ class PictureMaker {
 
     [[nodiscard]] const PictureSettings& settings() const { return settings_; }
     [[nodiscard]] FocusMethod method() const { return method_; }
-    /// Returns the frame with its prepared records, so that other code can use the same records.
+    /// Returns the frame with its prepared records, for use elsewhere.
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:
@@ -96,10 +94,10 @@ class PictureMaker {
     std::optional<FrameMotion> motion_;
 };
 
-/// Returns the name of a method as the option `--method` spells it.
+/// Returns a method's name as `--method` spells it.
 [[nodiscard]] const char* method_name(FocusMethod method);
 
-/// Throws Error(wrong_arguments) if a target PSNR is given for a method other than `automatic`.
+/// Throws Error(wrong_arguments) for a target PSNR without `automatic`.
 void check_target(const std::optional<double>& target_db, FocusMethod method);
 
 }  // namespace postlens

@@ -77,12 +77,11 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images of an earlier run are recorded first, so that sweep.json contains them even if this run
-            // is interrupted.
+            // Earlier images come first, so that sweep.json keeps them even after an interruption.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join != Join::no) check_complete();
-            // The contact sheet is encoded in parallel, while the last images are being written.
+            // Encodes the contact sheet while the last images are being written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
                     const ThreadLimit one(1);
@@ -104,16 +103,14 @@ class Sweep {
     }
 
   private:
-    /// Throws if an output file would overwrite an input file. Input files may be in the output folder, but
-    /// must not have the name of an output file.
+    /// Throws if an output file would overwrite an input file.
     void check_outputs(const std::filesystem::path& frame) const {
         std::vector<std::filesystem::path> written{out_.csv, out_.json, folder_ / "contact.png"};
         for (const std::string& name : names_) written.push_back(folder_ / name);
         refuse_overwriting(sweep_inputs(frame, settings_), written);
     }
 
-    /// Returns true if this run makes image i of the sweep. With --share, a run makes only a part of the
-    /// images.
+    /// Returns true if this run makes image i; a share makes only some.
     [[nodiscard]] bool is_mine(std::size_t i) const { return !settings_.share || settings_.share->has(i); }
     [[nodiscard]] std::size_t pictures_to_make() const {
         std::size_t count = 0;
@@ -121,8 +118,8 @@ class Sweep {
         return count;
     }
 
-    /// Keeps image `i` of an earlier run, and returns true, if its settings are equal and its file is
-    /// unchanged. Also reads the image into `image`, unless `image` is null.
+    /// Keeps an earlier image `i` with equal settings and an unchanged file, and then returns true. Reads it
+    /// into `image`, unless that is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(name_in_json(names_[i]));
         if (begin == end) return false;
@@ -200,29 +197,29 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. It is 2 if the method only reads the records of a
-    /// small file, because one such image does not keep all threads busy. Otherwise it is 1.
+    /// Number of images made at once. It is 2 for methods that only read a small file's records, because one
+    /// such image does not keep all threads busy.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Returns true if the method reads records that FocusFrame keeps in memory. Several images can then be
-    /// made from these records at the same time.
+    /// Returns true if the method reads records that FocusFrame keeps in memory, where several images can
+    /// share them.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// Largest number of images that are written to disk at the same time, 1 to 4. Together, these images
-    /// take at most 64 MiB of memory, unless a single image is larger.
+    /// Largest number of images written at once, 1 to 4. Together they take at most 64 MiB, unless one is
+    /// larger.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its table values while the next images are made. This work is not
-    /// cancelled with the sweep, so that a finished image is not lost.
+    /// Writes an image and computes its table values while the next ones are made. Cancelling the sweep does
+    /// not stop this, so finished images are kept.
     void start_finishing(std::size_t i, Making made, double pinhole_energy) {
         finishing_.push_back(
             {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
@@ -257,7 +254,7 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // For a pinhole, the CoC diameter of points in front of the focus is -0. Adding 0 turns it into 0.
+        // A pinhole gives -0 in front of the focus. Adding 0 makes it 0.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
@@ -270,16 +267,15 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with a frame that reads the records. To draw light fields, the frame of `maker_` keeps
-    /// only the surfaces built from the records, so a second frame is then opened.
+    /// Calls `use` with a frame that reads the records. For light fields, `maker_` keeps only surfaces, so a
+    /// second frame is opened.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
         return use(once);
     }
 
-    /// Gradient energy of the pinhole image that shows the same part of the scene as `made`, which --framing
-    /// may have magnified.
+    /// Gradient energy of the pinhole image with the magnification of `made` (--framing).
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -298,7 +294,7 @@ class Sweep {
         return known->second;
     }
 
-    /// Computes the depths of the sample file, which the table rows of all images need.
+    /// Computes the sample file's depths for the table.
     void prepare() {
         depths_ = with_records([](FocusFrame& frame) { return frame_depths(frame); });
         const auto [low, high] = std::minmax_element(depths_.inverse_z.begin(), depths_.inverse_z.end());
@@ -310,15 +306,14 @@ class Sweep {
         }
     }
 
-    // Records a warning, like the command `focus`, if this lens makes objects in mirrors and glass appear at
-    // wrong positions. The matrix W, which reprojects their records, is only a linear model of their motion.
+    // Warns if this lens makes objects in mirrors and glass appear at wrong positions. The matrix W, which
+    // reprojects them, is only a linear model.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The error of a reprojected position, in px, is proportional to this product. Lenses with the same
-        // product therefore get the same warning, which is computed only once.
+        // The position error is proportional to this product, so the warning is computed once per product.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -337,7 +332,7 @@ class Sweep {
         if (w.share > known->worst.share) known->worst = w;
     }
 
-    /// Writes sweep.json with the rows of all finished images, in the order of the sweep.
+    /// Writes sweep.json with all finished images, in the sweep's order.
     void save() {
         out_.table.rows.clear();
         for (const auto& row : rows_) {
@@ -347,8 +342,7 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// Saves the finished images after an error. Further errors are ignored, because only the first error is
-    /// reported.
+    /// Saves the finished images after an error. Only the first error is reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
             try {
@@ -381,8 +375,7 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    /// This member is declared last, so that it is destroyed first. Its destructor waits for work that uses
-    /// the other members.
+    /// Declared last, so that it is destroyed first: its work uses the other members.
     std::deque<Finishing> finishing_;
 };
 

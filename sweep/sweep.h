@@ -1,5 +1,4 @@
-// Makes images of one sample file with many lens settings. Also writes a contact sheet and a table of
-// measured values.
+// Makes images of one sample file with many lens settings, a contact sheet and a table.
 #pragma once
 
 #include <filesystem>
@@ -20,23 +19,21 @@ struct SweepSettings {
     SweepAxes axes;
     PictureSettings picture;
     std::string format = "exr";  ///< extension of the images: exr, png, tif or jpg
-    /// Pattern for numbered names, such as "pull.%04d". If absent, the names contain the settings.
+    /// Pattern for numbered names, such as "pull.%04d". If absent, names contain the settings.
     std::optional<std::string> frames;
     std::vector<glm::dvec2> at;  ///< raster positions, px, at which the CoC is reported; empty: a 3 x 3 grid
     double coc_limit_px = 1;     ///< CoC diameter below which a pixel is in focus, px; positive
-    /// Keeps images that an earlier run made in the same folder. An image is kept if sweep.json shows that it
-    /// was made with equal settings from an equal file, and if its checksum is unchanged.
+    /// Keeps an earlier run's images in the same folder. sweep.json must state equal settings, an equal file
+    /// and the image's checksum.
     bool resume = false;
-    /// Makes only every N-th image (one share of the sweep). The table of these images is sweep.I-of-N.json.
-    /// A share writes neither sweep.csv nor contact.png.
+    /// Makes only every N-th image (a share of the sweep), with the table sweep.I-of-N.json, but no sweep.csv
+    /// and contact.png.
     ///
-    /// To complete the sweep, run it once more without a share, in the same folder and with `resume`. This
-    /// run keeps the images of all shares and writes the tables and the contact sheet.
+    /// A last run without a share, with `resume`, keeps the images of all shares and writes the rest.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
-    /// Other files on which the images depend. If the contents of such a file change, the images of an
-    /// earlier run are not kept.
+    /// Other files on which the images depend. If one changes, earlier images are not kept.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
     std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's
@@ -56,11 +53,10 @@ struct SweepResult {
     std::optional<std::filesystem::path> contact_sheet;  ///< absent above ContactSheet::most_pictures
 };
 
-/// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if it does not
-/// exist. PictureMaker makes the images. Every file is written atomically. sweep.json is updated about once a
-/// second, and also when the sweep is interrupted.
+/// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if needed. Files
+/// are written atomically. sweep.json is updated about once a second, and when the sweep is interrupted.
 ///
-/// Throws Error(wrong_arguments) if a setting is out of range, before anything is written. Throws
+/// Throws Error(wrong_arguments) for settings out of range, before anything is written. Throws
 /// Error(cannot_write) and the errors of PictureMaker.
 [[nodiscard]] SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                                 const std::filesystem::path& folder);

@@ -1,5 +1,4 @@
-// The table of a sweep, with one row per image. The table is written as CSV for other programs, and as JSON.
-// An interrupted sweep resumes from the JSON table.
+// The table of a sweep, one row per image, as CSV and as JSON. A sweep resumes from the JSON table.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +20,8 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Gradient energy of the image (the sum of squared differences between neighbouring pixels), divided by
-    /// that of the pinhole image. Absent if the gradient energy of the pinhole image is 0.
+    /// Gradient energy (sum of squared differences between neighbouring pixels) relative to the pinhole
+    /// image. Absent if that has none.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;
@@ -39,21 +38,21 @@ struct SweepTable {
     std::string part;  ///< SweepSettings::part
 };
 
-/// Returns the table as CSV, with a header line and one line per image. The columns are: file, f_number,
-/// focal_length_mm, focus_m, shutter_open_s, shutter_close_s, impulse, method, "coc_px X Y" for every
-/// position, largest_coc_px, in_focus_share, sharpness, predicted_db, seconds. Unknown values are left empty,
-/// and infinity is written as `inf`. Strings with commas or quotes are quoted [rfc4180].
+/// Returns the table as CSV, one line per image. Unknown values are empty, and infinity is `inf`. Strings
+/// with commas or quotes are quoted [rfc4180].
+///
+/// Columns: file, f_number, focal_length_mm, focus_m, shutter_open_s, shutter_close_s, impulse, method,
+/// "coc_px X Y" for every position, largest_coc_px, in_focus_share, sharpness, predicted_db, seconds.
 [[nodiscard]] std::string csv_text(const SweepTable& table);
 
-/// Returns the table as JSON. Unknown and infinite values are written as null.
+/// Returns the table as JSON, with null for unknown and infinite values.
 [[nodiscard]] std::string json_text(const SweepTable& table);
 
-/// Returns a file name as it is in the table, where bytes that are not UTF-8 are replaced.
+/// Returns a file name as the table has it: bytes that are not UTF-8 are replaced.
 [[nodiscard]] std::string name_in_json(const std::string& name);
 
-/// Reads the measured values and the checksums of all images from JSON that `json_text` wrote, and returns
-/// them by file name. Does not read the settings. Throws Error(invalid_input) for any other text. The error
-/// message begins with `source`.
+/// Reads the measured values and checksums from the JSON of `json_text`, by file name. Throws
+/// Error(invalid_input), with a message that begins with `source`, for other text.
 [[nodiscard]] std::map<std::string, SweepRow> rows_of_json(const std::string& text,
                                                            const std::string& source);
 

@@ -1,4 +1,4 @@
-// Translates the user's input into options of the command, requests images and draws them.
+// Translates the user's input into options, requests images and draws them.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
@@ -46,7 +46,7 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time, in ms, of the first input that arrived while the coarse image was being made. It is 0 if there was none.
+// Time, in ms, of the first input during the coarse image. 0 if there was none.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
@@ -125,8 +125,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // Copying and saving use these options: those of the final image, even if a quick, coarse image is
-      // shown.
+      // Options for copying and saving: those of the final image, even while a coarse one is shown.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -238,8 +237,7 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // The colour of a pixel's cause of error covers the image with an alpha of 191 (of 255), so that a
-    // quarter of the image stays visible.
+    // An alpha of 191 (of 255) leaves a quarter of the image visible.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {
@@ -299,8 +297,7 @@ function valuesOf(p, k) {
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
-  // If a picture does not state its film distance, the film distance is assumed to equal the focal length
-  // (docs/inputs.md).
+  // Without a stated film distance, the focal length is used (docs/inputs.md).
   const filmDistance = frame.film_distance_from_focal_length ? lens.focalLength : frame.film_distance_mm;
   return lens.focalLength / lens.fNumber * filmDistance / 1000 / frame.pixel_pitch_mm;
 }

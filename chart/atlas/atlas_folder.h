@@ -1,4 +1,4 @@
-// Runs all atlas cases of a folder. An interrupted run resumes after its last finished case.
+// Runs all atlas cases of a folder. An interrupted run resumes.
 #pragma once
 
 #include <filesystem>
@@ -22,13 +22,13 @@ struct AtlasRun {
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Returns the path of a case's strip (its images side by side), relative to the folder of the atlas.
+/// Returns the path of a case's strip, its images side by side, within the atlas folder.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all cases of the folder `cases`. After each case, cases/NAME.json and atlas_strip(NAME) are written
-/// into `folder`, which is created if its parent exists. Results of an earlier run with the same atlas_key
-/// are kept, unless `restart` is set. Throws the errors of read_atlas_case and run_atlas_case. Also throws
-/// Error(interrupted), after which the results of finished cases remain.
+/// Runs all cases of the folder `cases`. Writes cases/NAME.json and atlas_strip(NAME) into `folder`, which is
+/// created if its parent exists. Earlier results with the same atlas_key are kept, unless `restart` is set.
+///
+/// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted). Finished cases remain.
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
                                  bool restart);
 

@@ -18,7 +18,7 @@ std::string codes(const std::vector<std::string>& warnings, const char* quote) {
     return fmt::format("{0}{1}{0}", quote, fmt::join(warnings, fmt::format("{0}, {0}", quote)));
 }
 
-/// Returns the name of a method, followed by the settings that the case changes.
+/// Returns a method's name and the settings that the case changes.
 std::string label(const AtlasMethod& m) {
     std::string out = m.name;
     if (m.views) out += fmt::format(", {} views", *m.views);
@@ -64,8 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of a case. There is one row each for the tested method, the method that corrects
-/// its error (if the case has one), the pinhole image, and the noise of the reference.
+/// Returns the table rows of a case: the method, its remedy if any, the pinhole image, and the reference's
+/// noise.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {
@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns the caption of a case: its scene and camera, the fraction of pixels that differ from the pinhole
-/// image, and the fraction of the error that is attributed to the expected cause.
+/// Returns a case's caption: scene, camera, the share of blurred pixels, and the share of the error with the
+/// expected cause.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("Scene {}. {:.0f} % of the pixels differ from the pinhole image.",
                                   view_text(e.what.view), 100 * e.result.affected_share);
@@ -91,8 +91,7 @@ std::string caption(const AtlasEntry& e) {
 
 constexpr const char* heading = "# An atlas of failure\n\n";
 
-/// Converts Markdown to HTML. Supports only what the introduction contains: paragraphs, bullet lists and
-/// headings.
+/// Converts Markdown to HTML: paragraphs, bullet lists and headings only.
 std::string html_of(const std::string& markdown) {
     std::string out, paragraph;
     const auto flush = [&] {

@@ -8,12 +8,11 @@
 
 namespace postlens {
 
-/// Returns the atlas as Markdown. It contains the introduction, a table of all cases, and the cases grouped
-/// by cause. Each case has a link to its image strip (atlas_strip), a description and a table of errors.
+/// Returns the atlas as Markdown: the introduction, a table of all cases, and the cases grouped by cause.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// Returns the content of atlas_markdown as one HTML page with embedded images. `folder` is the output folder
-/// of run_atlas. Throws Error(invalid_input) if an image cannot be read.
+/// Returns the same as one HTML page with embedded images. `folder` is the output folder of run_atlas. Throws
+/// Error(invalid_input) if an image cannot be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

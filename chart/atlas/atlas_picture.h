@@ -1,5 +1,4 @@
-// Makes the image of one method of an atlas case, and collects the warnings that the program would print for
-// it.
+// Makes the image of one method of an atlas case, and collects its warnings.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +19,8 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method` from the sample file `file`. The method `rays` does not read the file.
-/// Temporary files are written beside `file` and removed. Throws Error.
+/// Makes the image of `method` from the sample file `file`, which `rays` does not read. Temporary files are
+/// written beside it. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int gap_px = 4;
-// Smallest channel value that an image may have. A channel that should be 0 may become slightly negative,
-// because float sums are rounded.
+// Smallest allowed channel value. Rounding may make a 0 slightly negative.
 constexpr double least_allowed = -1e-5;
 
 double sum_of(const Image& image) {
@@ -69,8 +68,8 @@ class CaseRun {
     }
 
   private:
-    // Traces the sample file for the given settings. The tested method and the method that corrects its error
-    // often have the same settings, so the file is kept until other settings are needed.
+    // Traces the sample file. It is kept until other settings are needed, because both methods often share
+    // them.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);
@@ -204,7 +203,7 @@ std::string codes(const std::vector<std::string>& warnings) {
 }
 
 void check(const AtlasMethod& m, const AtlasFigures& f, std::vector<std::string>& out) {
-    // The comparisons are negated so that an expectation also fails if the value is NaN.
+    // Negated, so that a NaN fails too.
     if (!(f.error.psnr_db >= m.at_least_db))
         out.push_back(fmt::format("{}: PSNR (got {:.2f} dB; expected {} or more)", m.name, f.error.psnr_db,
                                   m.at_least_db));

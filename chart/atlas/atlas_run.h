@@ -1,5 +1,4 @@
-// Runs a case of the atlas of failures. Traces the scene, makes the images of the tested method and of the
-// method that corrects its error, and compares both images to a reference.
+// Runs a case of the atlas of failures: traces its scene, makes the images, and compares them to a reference.
 #pragma once
 
 #include <filesystem>
@@ -28,26 +27,24 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction of the method's error, 0 to 1, that find_error_causes attributes to the expected cause.
-    /// Absent if the expected cause is "none".
+    /// Fraction of the method's error, 0 to 1, with the expected cause (find_error_causes). Absent for
+    /// "none".
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
 
-/// Returns a digest of everything that determines the result of a case: the scene, view, methods and program
-/// version. The expected values of the case are not included.
+/// Returns a digest of what determines a case's result: scene, view, methods and program version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one case. Temporary files are written to `folder`, which must exist, and removed afterwards. If the
-/// path `strip` is not empty, a strip of four images is written there: the image of the method, the image of
-/// the method that corrects its error, the reference, and the method's error map. The images are 4 px apart.
-/// Throws Error.
+/// Runs one case. Temporary files are written to `folder`, which must exist. Throws Error.
+///
+/// If `strip` is not empty, a strip of images is written there, 4 px apart: the method, its remedy, the
+/// reference, and the method's error map.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// Returns one line for each expectation of the case that the result does not meet. The expectations concern
-/// the error, the energy, negative or nonfinite values, the warnings, and the fraction of the error that is
-/// attributed to the expected cause.
+/// Returns one line for each expectation that the result does not meet: error, energy, negative or nonfinite
+/// values, warnings, and cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);

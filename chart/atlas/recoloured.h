@@ -1,5 +1,4 @@
-// Replaces the radiance of a frame by the pixels of an image. A method can then blur an image that is already
-// blurred.
+// Replaces a frame's radiance by the pixels of an image, so that a method can blur the image again.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +8,11 @@
 
 namespace postlens {
 
-/// Writes a sample file to `path`. Its depths and ids are those of the pixel corners in `file`. The radiance
-/// at a corner is the mean of the four pixels of `image` around the corner. `image` must have the size of the
-/// frame. The written file has only one instant. It has no subdivision, hidden layers, reflected or refracted
-/// nodes, or overscan. Throws Error.
+/// Writes a sample file to `path` with the depths and ids of the pixel corners in `file`. A corner's radiance
+/// is the mean of the four pixels of `image` around it.
+///
+/// `image` must have the size of the frame. The new file has one instant, and neither subdivision, hidden
+/// layers, reflections nor overscan. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

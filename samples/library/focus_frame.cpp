@@ -1,5 +1,4 @@
-// Example of a program that uses the library. It makes the picture of a sample file through a lens of 50 mm
-// at f/2, focused at 3 m.
+// Example of using the library: the image of a sample file through a 50 mm lens at f/2, focused at 3 m.
 #include <cstdio>
 #include <postlens/focus.h>
 
