@@ -45,10 +45,8 @@ struct ChartPoint {
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image in a sweep (one call for many images), one value per round. `first_of_many_s` is the
-    /// first image's time with reading the file, and `further_s` that of each further one.
-    ///
-    /// Both are empty for methods that are not timed in a sweep.
+    /// Seconds per image in a sweep (one call for many images), one value per round. `first_of_many_s`
+    /// includes reading the file, and `further_s` is for each further image. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;

@@ -8,8 +8,7 @@
 
 namespace postlens {
 
-/// Returns HTML with embedded images: plots, the table, the machine, and each point's image and error map
-/// with a slider between them.
+/// Returns HTML with embedded images: plots, the table, the machine, and each point's image and error map.
 ///
 /// `folder` is the output folder of run_chart. Throws Error(invalid_input) if an image there cannot be read.
 [[nodiscard]] std::string chart_page(const ChartData& data, const std::filesystem::path& folder);

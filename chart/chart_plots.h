@@ -8,9 +8,9 @@
 namespace postlens {
 
 /// Returns a gnuplot script that plots each method's error against the seconds of one image, without the
-/// trace. It also shows the Pareto frontier, the noise floor, and the error of the records without blur.
+/// trace. It includes the Pareto frontier and the noise floor.
 ///
-/// With `affected`, it shows only the errors of the pixels that blur affects.
+/// With `affected`, it shows the errors of the pixels that blur affects.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
 /// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share a

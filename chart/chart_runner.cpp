@@ -259,7 +259,7 @@ class Runner {
     }
 
     // Returns the error of the records' pinhole image against a ray-traced one. It is not 0, because a
-    // pixel's corner samples are not its integral. Methods share it, unless blur averages it out.
+    // pixel's corner samples only approximate its integral.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();

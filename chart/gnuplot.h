@@ -9,10 +9,10 @@ namespace postlens {
 /// Throws Error(invalid_input) if `gnuplot` cannot be run. Called before long measurements.
 void check_gnuplot();
 
-/// Draws `base`.svg and `base`.png from a plot script, which is saved as `base`.gp. @TERMINAL@ and @OUTPUT@
-/// in it stand for gnuplot's terminal and output file.
+/// Draws `base`.svg and `base`.png from a plot script, and saves it as `base`.gp. @TERMINAL@ and @OUTPUT@
+/// stand for gnuplot's terminal and output file.
 ///
-/// Throws Error(cannot_write) with gnuplot's first line of error, after removing incomplete files.
+/// Throws Error(cannot_write) with gnuplot's first error message.
 void draw_with_gnuplot(const std::string& script, const std::filesystem::path& base, int width_px,
                        int height_px);
 

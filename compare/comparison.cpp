@@ -115,8 +115,8 @@ Comparison compare_pictures(CompareInput input) {
 }
 
 std::uint64_t comparison_bytes(ImageSize size, int pictures) {
-    // Bytes per pixel. An image needs 12 for linear values, 12 for encoded values and 1 for its mask. The
-    // rest is three float maps, two double arrays and the file reader's buffer.
+    // Bytes per pixel: for each image, linear and encoded values and the mask; then three float maps, two
+    // double arrays and the file reader's buffer.
     const std::uint64_t per_pixel = static_cast<std::uint64_t>(pictures) * 25 + 3 * 4 + 2 * 8 + 12;
     return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * per_pixel;
 }

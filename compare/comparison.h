@@ -53,8 +53,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Set only if a second reference is given. The flags state that the image equals one of the references,
-    // and that both references are equal (in their bits). Without a difference, there is no noise floor.
+    // Set only if a second reference is given. The flags mean that the image equals one of the references,
+    // and that both references are equal. Equal references show no noise.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Residuals (differences of picture_tone) above these limits count linearly. The first of two fits starts
-/// far from the true lens. The last limit is the noise at 256 samples per pixel.
+/// Residuals (differences of picture_tone) above these limits count linearly. The first fit starts far from
+/// the true lens. The last limit is the noise at 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
 /// Half the step of the central differences in 1/s, as a fraction of the range of inverse depths.
 constexpr double focus_step = 0.03;

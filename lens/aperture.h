@@ -60,7 +60,7 @@ class Aperture {
     /// Returns the outline of the aperture as seen from a field position, in lens radii. It is a polygon
     /// within `tolerance` of the true curve, and empty if no light passes.
     ///
-    /// Not available for apertures given as images. `field` and `rim_scale` are explained at Aperture.
+    /// Not available for aperture images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
     /// Returns the vignetting rim, projected onto the lens, in lens radii. If rim_scale is below 0.05,
     /// returns a square that blocks no light.
@@ -68,10 +68,8 @@ class Aperture {
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns true if light through point q of the aperture passes the vignetting rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the vignetting rim.
-    ///
-    /// The fraction is exact for the disc. For other shapes it is interpolated in a table, with an error of
-    /// about 1e-3 for distant scene points.
+    /// Returns the fraction of the aperture's light that passes the vignetting rim. It is exact for the disc.
+    /// For other shapes, its error is about 1e-3 at distant scene points.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted

@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Describes the image of one scene point on the film. Light through lens point q (in lens radii) lands at
-/// this position, in px from `centre_px`:
+/// The image of one scene point on the film. Light through lens point q (in lens radii) lands at this
+/// distance from `centre_px`, in px:
 ///
 ///     map_px q + spherical_px q |q|^2
 ///
@@ -33,8 +33,8 @@ inline constexpr double smallest_response_px = 1e-4;
 
 /// Returns true if the response is uniform inside its outline. image_outline() then describes it completely.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// Returns the outline of the aperture's image, in px. It is a polygon, and empty if no light passes. Its
-/// error is at most 1e-3 px, or 0.02 px with cats_eye (mechanical vignetting).
+/// Returns the outline of the aperture's image, in px, or nothing if no light passes. Its error is at most
+/// 1e-3 px, or 0.02 px with cats_eye (vignetting).
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
 /// Returns an upper bound of the distance from `image.centre_px` to the response's farthest light, in px.
@@ -44,17 +44,16 @@ inline constexpr double smallest_response_px = 1e-4;
 /// cat's-eye vignetting.
 [[nodiscard]] double rim_of(const Aperture& aperture);
 
-/// Returns the largest distance between a scene point's geometric image and its light, in px. Unlike
-/// largest_reach_px, it is exact even where spherical aberration counteracts the defocus.
+/// Returns the distance from a scene point's geometric image to its farthest light, in px. `radius_px` is the
+/// signed radius of the circle of confusion.
 ///
-/// `radius_px` is the signed radius of the circle of confusion. `spherical_px` is as in ApertureImage.
+/// Unlike largest_reach_px, it is exact even with spherical aberration.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
-/// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to
-/// 0 if no light passes.
+/// Computes the response of any aperture within a window. Each cell of the aperture spreads its light
+/// uniformly over its image, with an error below 0.02 px.
 ///
-/// The aperture is divided into cells. Each cell's light is spread uniformly over the cell's image, with an
-/// error below 0.02 px.
+/// Over the whole plane, values add up to 1, or to 0 if no light passes.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 

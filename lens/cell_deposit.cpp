@@ -39,8 +39,8 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the whole area to the right of one polygon side. The sign is positive for sides that run
-// upwards, so the sum over all sides is the energy inside.
+// Adds the energy of the whole area to the right of one polygon side. Sides that run upwards count
+// positively, so all sides together give the energy inside.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;

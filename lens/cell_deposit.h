@@ -15,8 +15,7 @@ class CellDeposit {
     explicit CellDeposit(ResponseGrid& grid);
     /// Spreads the energy uniformly over a convex polygon. Corners are in px relative to the grid's anchor.
     ///
-    /// A polygon smaller than 1e-5 px^2 is treated as points. Its energy is divided among the pixels of its
-    /// centre and the midpoints of its sides.
+    /// A polygon below 1e-5 px^2 is divided among the pixels of its centre and of the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();

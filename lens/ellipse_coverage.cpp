@@ -88,16 +88,15 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area of the strip to the left of a vertical line at x. The strip is the part of the ellipse
-/// within one pixel row, and x is relative to the centre.
+/// Returns the strip's area to the left of the vertical line at x, relative to the centre. The strip is the
+/// part of the ellipse within one pixel row.
 ///
-/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t. left(t) and right(t) are
-/// the ends of the ellipse's chord at t.
+/// It integrates min(right(t), x) - min(left(t), x) over the height t. left(t) and right(t) are the ends of
+/// the chord at t.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // The ellipse's outline crosses the line at two heights t, the roots of this equation. H is the half
-    // height.
+    // The ellipse's outline crosses the line at two heights t, where H is the half height:
     //
     //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
@@ -171,8 +170,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // A pixel's value is the difference of the areas to the left of its two borders. The values of a row
-    // therefore add up to its area, without accumulated rounding errors.
+    // A pixel's value is the difference of the areas to the left of its two borders. A row's values therefore
+    // add up to its area, without accumulated rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

@@ -24,12 +24,10 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, whose centre is the traced pinhole. Moving the viewpoint to lens point q
-/// shifts the image of a point at depth z' by
+/// A lens focused at distance s, with the pinhole at its centre. Seen from lens point q (m, raster axes), the
+/// image of a point at depth z' shifts by
 ///
 ///     gain_px * (1/s - 1/z') * q    px
-///
-/// q is in m, in raster axes.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
@@ -43,12 +41,10 @@ struct FocusGeometry {
     }
 };
 
-/// Makes the geometry of a focused lens.
-/// - The focal length F must be positive and finite.
-/// - The f-number must be positive; infinity means a pinhole.
-/// - The focus distance s must exceed F and may be infinite. For Framing::keep, s > 0 suffices.
-///
-/// Throws Error(wrong_arguments), with the reason, if a value is out of range.
+/// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless:
+/// - The focal length F is positive and finite.
+/// - The f-number is positive (infinite for a pinhole).
+/// - The focus distance s exceeds F, or 0 for Framing::keep. It may be infinite.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

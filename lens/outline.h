@@ -15,8 +15,8 @@ using Outline = std::vector<glm::dvec2>;
 /// Returns a regular polygon of 3 or more `blades`, inscribed in the unit circle. One corner is at the angle
 /// `rotation_deg` from x towards y.
 ///
-/// `roundness` bends the sides into arcs: 0 gives straight sides, and 1 gives the circle. Chords approximate
-/// the arcs within `tolerance`.
+/// `roundness` bends the sides into arcs, from 0 (straight) to 1 (circle). Chords approximate arcs within
+/// `tolerance`.
 [[nodiscard]] Outline blades_outline(int blades, double rotation_deg, double roundness, double tolerance);
 
 /// Returns the intersection of two outlines. It is empty if they do not overlap.

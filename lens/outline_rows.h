@@ -7,11 +7,10 @@
 
 namespace postlens {
 
-/// Computes how much of each pixel a polygon covers, row by row in any order. Row y covers heights [y, y +
-/// 1).
+/// Computes how much of each pixel a polygon covers, as fractions of the polygon's area. Row y covers heights
+/// [y, y + 1).
 ///
-/// Values are fractions of the polygon's area. The time depends only on the length of the outline, because
-/// completely covered pixels are not visited.
+/// Completely covered pixels are not visited, so the time depends only on the length of the outline.
 class OutlineRows {
   public:
     /// `outline` is in px, in either orientation. Its area must be at least 1e-12 px^2.

@@ -17,11 +17,10 @@ class ShutterCurve {
     [[nodiscard]] static ShutterCurve box();
     /// Rises linearly to the middle of the exposure, then falls linearly.
     [[nodiscard]] static ShutterCurve triangle();
-    /// Interpolates linearly between at least two points (time, transmittance). The first time opens the
-    /// shutter, and the last closes it.
+    /// Interpolates linearly between points (time, transmittance), from opening to closing.
     ///
-    /// Throws Error(invalid_input), with a message that begins with `source`, unless times increase and some
-    /// transmittance is positive. Negative or infinite values are errors too.
+    /// Throws Error(invalid_input), with a message that begins with `source`, unless there are two points or
+    /// more, times increase, and transmittances are finite, not negative and not all 0.
     [[nodiscard]] static ShutterCurve points(std::vector<std::pair<double, double>> points,
                                              const std::string& source);
     /// Reads the curve from a text file with two numbers (time, transmittance) per line. A # begins a

@@ -14,14 +14,16 @@ struct ThinLens {
     [[nodiscard]] double aperture_diameter_mm() const { return focal_length_mm / f_number; }
 };
 
-/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1]. V is F for infinite s, and
+/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1]. It is F for infinite s, and
 /// infinite or negative for s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Returns the signed diameter of the circle of confusion, in mm, for a lens focused at s > F. For a point at
-/// depth z > 0, it is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3].
+/// Returns the signed diameter of the circle of confusion, in mm, at focus distance s > F [potmesil1981, eq.
+/// 3]:
 ///
-/// It is positive behind the focus, negative in front of it, and finite even for infinite depth.
+///     F^2 (z - s) / (n z (s - F))
+///
+/// It is positive behind the focus, and finite even for infinite depth z.
 [[nodiscard]] double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m);
 
 /// The depths between which the circle of confusion is at most `coc_limit_mm` wide.

@@ -36,21 +36,19 @@ struct FieldBlur {
 /// no recorded surface.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Blurs moving objects as the mean of many views. A view is an image at one instant: a blend of the two
-/// recorded instants around it, reprojected to its time. Views are denser in time while the shutter transmits
-/// more light.
+/// Blurs moving objects as the mean of many views. A view is an image at one instant, blended from the
+/// recorded instants before and after it. Views are denser in time while the shutter transmits more light.
 ///
-/// `ids` states how objects move; those of kind `still` stay in place. Only tiles over which an object of
-/// `wanted_ids` (sorted) may pass are computed.
+/// `ids` states how objects move. Only tiles over which objects of `wanted_ids` (sorted) pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Where nothing moves
-/// (`touched` is 0), `unknown` is 0.
+/// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Where nothing moves,
+/// `unknown` is 0.
 ///
-/// `field` must have one element of `sets`, and `class_marks` must not be empty.
+/// `field` must have one element of `sets`, and `class_marks`.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
 /// Copies the pixels of `seen` whose `touched` contains a bit of `marks` to `image`. Their unrecorded

@@ -29,8 +29,8 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute; other pixels are undefined. Its pixels are bit-identical to those of
-    /// the whole image. Shares in MotionBlurResult refer to it. Only lightfield gets faster.
+    /// The part of the image to compute, bit-identical to that of the whole image. Other pixels are
+    /// undefined. Shares in MotionBlurResult refer to it. Only lightfield gets faster.
     std::optional<Crop> crop;
 };
 
@@ -68,11 +68,11 @@ struct MotionBlurResult {
 /// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Computes the motion-blurred image of a sample file. It is bit-identical for any number of threads. If
-/// nothing moves, it is bit-identical to the pinhole image.
+/// Computes the motion-blurred image of a sample file, bit-identical for any number of threads. If nothing
+/// moves, it is the pinhole image.
 ///
-/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for damaged files or paths
-/// of unknown ids, and Error(out_of_memory).
+/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for damaged files or unknown
+/// ids, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

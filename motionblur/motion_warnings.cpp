@@ -18,7 +18,7 @@ namespace {
 using glm::dvec3;
 
 // Instants at which shadows and lights are tested: the frame's time, and the ends of 17 equal steps of the
-// exposure. 17 is prime, so repeated motions are rarely in phase with it.
+// exposure. 17 is prime, to avoid the period of repeated motions.
 constexpr int shadow_instants = 1 + 18;
 constexpr int shadow_step_px = 4;
 

@@ -23,10 +23,8 @@ inline constexpr int most_views = 4096;  ///< largest number of views that a use
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);
 
-/// Returns element j of a (0, 2)-sequence in base 2 [sobol1967] as a sample position in the pixel, in px.
-/// Successive positions are far apart.
-///
-/// `places` is the number of different positions, a power of 2.
+/// Returns element j of a (0, 2)-sequence [sobol1967] as a sample position in the pixel, in px. Successive
+/// positions are far apart. `places` is their number, a power of 2.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
 /// Returns the automatic number of views for objects that move by up to `longest_px`: one view per 2 px, if

@@ -16,10 +16,10 @@ namespace postlens {
                                                        const std::vector<std::uint32_t>& ids);
 
 /// Replaces each pixel over which nothing moves by the mean of all recorded instants, because shadows and
-/// lights may move over it. `shares` contains the weights of the instants.
+/// lights may change. `shares` are the weights of the instants.
 ///
-/// `elsewhere` contains the sorted ids of objects drawn separately. Instants at which a pixel shows one of
-/// them do not count there. Without other instants, the pixel does not change.
+/// Instants at which a pixel shows an object of `elsewhere` (sorted ids, drawn separately) do not count
+/// there.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

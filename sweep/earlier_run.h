@@ -39,8 +39,8 @@ class SweepKeys {
     bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Reads the rows that earlier runs wrote to the table `json`, by file name. A run of the whole sweep also
-/// reads the tables of its shares (parts), so names may repeat.
+/// Reads the rows that earlier runs wrote to the table `json`, by file name. Tables of shares (parts) are
+/// read too, so names may repeat.
 ///
 /// The result is empty unless `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,

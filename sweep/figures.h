@@ -20,10 +20,8 @@ struct FrameDepths {
 };
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);
 
-/// Returns the fraction (0 to 1) of pixels in focus. Their circle of confusion is below `limit_px`, in px of
-/// the image.
-///
-/// Without `geometry` (an orthographic file has no lens), the fraction is 1.
+/// Returns the fraction (0 to 1) of pixels in focus: their circle of confusion is below `limit_px`. Without
+/// `geometry` (an orthographic file has no lens), the fraction is 1.
 [[nodiscard]] double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                                     double limit_px);
 

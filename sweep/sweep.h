@@ -26,10 +26,10 @@ struct SweepSettings {
     /// Keeps an earlier run's images in the same folder. sweep.json must state equal settings, an equal file
     /// and the image's checksum.
     bool resume = false;
-    /// Makes only every N-th image (a share of the sweep), with the table sweep.I-of-N.json, but no sweep.csv
-    /// and contact.png.
+    /// Makes only every N-th image (a share of the sweep), with the table sweep.I-of-N.json.
     ///
-    /// A last run without a share, with `resume`, keeps the images of all shares and writes the rest.
+    /// A last run without a share, with `resume`, keeps the images of all shares and writes sweep.csv and
+    /// contact.png.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
@@ -54,10 +54,10 @@ struct SweepResult {
 };
 
 /// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if needed. Files
-/// are written atomically. sweep.json is updated about once a second, and when the sweep is interrupted.
+/// are written atomically, and sweep.json about once a second.
 ///
-/// Throws Error(wrong_arguments) for settings out of range, before anything is written. Throws
-/// Error(cannot_write) and the errors of PictureMaker.
+/// Throws Error(wrong_arguments) before anything is written. Throws Error(cannot_write) and the errors of
+/// PictureMaker.
 [[nodiscard]] SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                                 const std::filesystem::path& folder);
 

@@ -15,18 +15,16 @@ namespace postlens {
 inline constexpr std::size_t most_pictures = 10000;
 
 /// Each function parses "ITEM,ITEM,...", where an item is a value or a range. Throws Error(wrong_arguments),
-/// with a message that begins with `option`, for other text, repeated values, empty ranges or too many
-/// values.
+/// with a message that begins with `option`, for anything else and for repeated values.
 
 /// Parses f-numbers: positive numbers, or `inf` for the pinhole. A range is FROM:TO:STEP with STEP in stops
-/// ("1/2" or "0.5"). Value i is FROM * 2^(i STEP / 2).
+/// ("1/2" or "0.5").
 ///
-/// The last value may exceed TO by a tenth of a stop, or by half a step if that is less: 2:11:1 ends at
-/// 11.31.
+/// The last value may exceed TO by a tenth of a stop, at most half a step: 2:11:1 ends at 11.31.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
 /// Parses focus distances in m, positive or `inf`. A range is FROM:TO:COUNT, rising or falling, with both
-/// ends. Values are evenly spaced in 1/s, so circles of confusion change in equal steps.
+/// ends. Values are evenly spaced in 1/s.
 [[nodiscard]] std::vector<double> focus_list(const std::string& option, std::string_view text);
 
 /// Parses focal lengths in mm, finite and positive. A range is FROM:TO:COUNT, rising or falling, with both

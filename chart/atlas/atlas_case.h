@@ -33,7 +33,7 @@ struct AtlasMethod {
     /// Name of the method.
     /// - For a lens: pinhole, scatter, layers, lightfield, hybrid.
     /// - For a shutter: convolve, lightfield, auto.
-    /// - For both: lightfield, hybrid, focus-after-shutter (blurs the motion-blurred image).
+    /// - For both: lightfield, hybrid, focus-after-shutter.
     /// - Always: rays (distributed ray tracing).
     std::string name;
     std::optional<int> views, depths;

@@ -25,10 +25,10 @@ struct AtlasRun {
 /// Returns the path of a case's strip, its images side by side, within the atlas folder.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all cases of the folder `cases`. Writes cases/NAME.json and atlas_strip(NAME) into `folder`, which is
-/// created if its parent exists. Earlier results with the same atlas_key are kept, unless `restart` is set.
+/// Runs all cases of the folder `cases`. Writes cases/NAME.json and atlas_strip(NAME) into `folder`. Earlier
+/// results with the same atlas_key are kept, unless `restart` is set.
 ///
-/// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted). Finished cases remain.
+/// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted).
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
                                  bool restart);
 

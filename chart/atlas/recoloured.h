@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Writes a sample file to `path` with the depths and ids of the pixel corners in `file`. A corner's radiance
-/// is the mean of the four pixels of `image` around it.
+/// Writes a sample file with the depths and ids of the pixel corners in `file`. A corner's radiance is the
+/// mean of the four pixels of `image` around it.
 ///
-/// `image` must have the size of the frame. The new file has one instant, and neither subdivision, hidden
-/// layers, reflections nor overscan. Throws Error.
+/// `image` must have the size of the frame. Hidden surfaces, reflections and overscan are left out. Throws
+/// Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

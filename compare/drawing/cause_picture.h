@@ -7,13 +7,11 @@
 namespace postlens {
 
 /// Returns the sRGB colour of a cause, in images and in the viewer. The colours are those of Okabe and Ito,
-/// which colour-blind readers can distinguish; "no cause" is grey, and the last is white.
+/// which colour-blind readers can distinguish.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
-/// Draws each pixel with an error in the colour of its cause, over the reference in grey. The legend lists
-/// each cause's fraction of the squared error.
-///
-/// Returns scene-linear values for `write_image`.
+/// Draws each pixel with an error in the colour of its cause, over the grey reference. Returns scene-linear
+/// values for `write_image`.
 [[nodiscard]] Image cause_picture(const CauseMap& map, const Image& reference);
 
 }  // namespace postlens

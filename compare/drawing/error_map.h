@@ -12,8 +12,8 @@ inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 /// narrow images, wider.
 [[nodiscard]] ImageSize error_map_size(ImageSize pictures);
 
-/// Draws each pixel's largest channel difference on a logarithmic scale, with a legend. Differences are those
-/// of sRGB values clamped to 0..1. NaN and infinity are magenta.
+/// Draws each pixel's largest channel difference in sRGB on a logarithmic scale, with a legend. NaN and
+/// infinity are magenta.
 ///
 /// Both images must have the same size. Returns scene-linear values for `write_image`.
 [[nodiscard]] Image error_map(const Image& image, const Image& reference);

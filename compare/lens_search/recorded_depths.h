@@ -23,10 +23,10 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns 1 for each pixel in which the simulated blur is reliable. Such a pixel receives no light from
-/// depth edges or from outside the recorded area.
+/// Returns 1 for pixels that receive no light from depth edges or from outside the recorded area. The
+/// simulated blur is reliable there.
 ///
-/// A depth edge is a pixel in which the circle of confusion varies by 1 px or more.
+/// In a depth edge, the circle of confusion varies by 1 px or more.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

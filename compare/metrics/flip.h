@@ -13,8 +13,8 @@ namespace postlens {
 /// sec. 4].
 inline constexpr double flip_pixels_per_degree = 3840 * 3.14159265358979323846 / 180;
 
-/// Computes LDR-FLIP [andersson2020]: one error per pixel, 0 to 1. Scene-linear values are clamped to 0..1.
-/// Pixels beyond the border repeat the nearest pixel. Where `usable` is 0, both images are black.
+/// Computes LDR-FLIP [andersson2020]: one error per pixel, 0 to 1. Values are clamped to 0..1. Pixels beyond
+/// the border repeat the nearest. Where `usable` is 0, images are black.
 [[nodiscard]] std::vector<float> flip_map(const Image& reference, const Image& test, const PixelMask& usable);
 
 /// Exposures at which HDR-FLIP compares the images: `count` ones, evenly spaced from `start` to `stop`, in

@@ -8,10 +8,8 @@
 
 namespace postlens {
 
-/// An estimate of an image's mean squared error against the truth T, from two noisy references R1 = T + e1
-/// and R2 = T + e2.
-///
-/// If e1 and e2 are independent with mean zero, the mean of (I - R1)(I - R2) is on average that of (I - T)^2.
+/// Estimate of an image's mean squared error against the truth T, from two noisy references R1 and R2. If
+/// their errors are independent with mean zero, (I - R1)(I - R2) has the same mean as (I - T)^2.
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
@@ -34,18 +32,18 @@ struct NoiseFloor {
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Tells which reference the image is closer to; positive means the second. It is the difference of both
-    /// mean squared errors, divided by its standard error.
+    /// Tells which reference the image is closer to; positive means the second. It is the difference of the
+    /// mean squared errors, in standard errors.
     ///
-    /// It is standard normal if both references are equally accurate and the image is independent of them.
+    /// It is standard normal if the image is independent of two equally accurate references.
     double preference = 0;
 };
 
 /// Estimates the errors over the pixels that `mask` counts. All images must have the same size.
 /// docs/compare.md derives the formulas.
 ///
-/// Standard errors come from sums over blocks of 16 x 16 px, or smaller if there are fewer than 64. They are
-/// correct for Gaussian errors that are independent between blocks, and too large for longer tails.
+/// Standard errors come from sums over 16 x 16 px blocks, smaller if there are fewer than 64. They assume
+/// Gaussian errors that are independent between blocks.
 [[nodiscard]] NoiseFloor noise_floor(const Picture& image, const Picture& reference,
                                      const Picture& second_reference, const PixelMask& mask);
 

@@ -27,8 +27,8 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// Moments of two images a and b and of their difference d = a - b. The SSIM formula with d equals that of
-// [wang2004], but stays precise for nearly equal images.
+// Moments of two images a and b and of d = a - b. SSIM computed with d equals that of [wang2004], but stays
+// precise for nearly equal images.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

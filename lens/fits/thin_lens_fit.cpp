@@ -13,17 +13,17 @@
 namespace postlens {
 namespace {
 
-/// Focal length that is assumed if only the circles of confusion are known. It is at most half the focus
-/// distance, because a lens cannot focus nearer than its focal length.
+/// Focal length that is assumed if it cannot be determined. It is at most half the focus distance, because a
+/// lens cannot focus nearer than its focal length.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual of one measured circle of confusion (CoC): c - K |q - 1/z|. c is the CoC diameter, z the depth
-/// and q the inverse focus distance.
+/// Residual of one measured circle of confusion c: c - K |q - 1/z|. z is the depth, and q the inverse focus
+/// distance.
 ///
-/// K is F^2 / (n (1 - F q)) for focal length F and f-number n. The fit varies ln F, ln n and q.
+/// K is F^2 / (n (1 - F q)) for focal length F and f-number n.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>

@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Returns the Bessel functions J_0(v), J_1(v), .. for v >= 0. The last are below 1e-18 of the largest. The
-/// error of each value is about 1e-15 of the largest.
+/// Returns the Bessel functions J_0(v), J_1(v), .. for v >= 0, with errors of about 1e-15 of the largest. The
+/// last are below 1e-18.
 ///
 /// Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1} [abramowitz1972, 9.12]. Needs v + O(v^(1/3))
 /// steps.

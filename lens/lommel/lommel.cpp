@@ -20,8 +20,8 @@ double squared(double x) {
     return x * x;
 }
 
-/// Sums (-1)^s ratio^n J_n over n = first + 2 s, for s = 0, 1, .. This is Lommel's function U_first for ratio
-/// u / v, and V_first for v / u [born1999, 8.8, eqs. 8 and 16].
+/// Sums (-1)^s ratio^n J_n over n = first + 2 s. This is Lommel's function U_first for ratio u / v, and
+/// V_first for v / u [born1999, 8.8, eqs. 8 and 16].
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
     const std::size_t last = first + (j.size() - 1 - first) / 2 * 2;
@@ -78,8 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), with Lommel's functions U1 = x odd and U2 = x^2 even. The
-        // factor x cancels 1/u, so u may be 0 (the Airy pattern).
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with U1 = x odd and U2 = x^2 even. x cancels 1/u, so u may
+        // be 0 (the Airy pattern).
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

@@ -16,15 +16,14 @@ using Lanes = std::array<double, lanes>;
 
 /// Two series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and u/v.
 /// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
-/// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, .. It omits J_0, and so stays precise for small x.
+/// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, .., without J_0.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series of SeriesLanes by upward recurrence, which is stable for orders n < v. The terms are t_n =
-/// x^n J_n:
+/// Sums the series of SeriesLanes by upward recurrence, which is stable for orders n < v:
 ///
-///     t_(n+1) = n c t_n - x^2 t_(n-1)
+///     t_(n+1) = n c t_n - x^2 t_(n-1)    with t_n = x^n J_n
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {

@@ -11,7 +11,7 @@ namespace postlens {
 /// many entries as `intensity`.
 ///
 /// Terms below 1e-11 of the mean intensity are omitted. Results are bit-identical on all machines with the
-/// same sine and Bessel functions. `lommel_intensity` is the slow reference.
+/// same sine and Bessel functions.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);
 
 }  // namespace postlens

@@ -14,12 +14,11 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Returns the energy that flows through a pixel border near the centre. The border is the segment from y0 to
-/// y1 on the line at distance `x` from the centre.
+/// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
+/// distance `x` from the centre.
 ///
-/// L is the encircled energy, the energy within a radius r. The flow is the integral of L x / (2 pi r^2) over
-/// y. With y = x sinh t, it becomes the integral of L / (2 pi cosh t) over t, whose steps are short where the
-/// border is close to the centre.
+/// The flow is the integral of L x / (2 pi r^2) over y, where L is the energy within radius r. With y = x
+/// sinh t, it is that of L / (2 pi cosh t) over t.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     // Below this |x|, the flow is negligible. It is proportional to x, because L is proportional to r^2 near
     // the centre.
@@ -49,8 +48,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r. L is the encircled energy, averaged over fine fringes. A value
-/// times x is the flow per px through a border at constant x.
+/// Table of L / (2 pi r^2) over the radius r, where L is the energy within r. Times x, it is the flow per px
+/// through a border at constant x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)

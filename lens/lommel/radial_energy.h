@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// The impulse response of a circular aperture at defocus u, tabulated over the optical radius v in [0,
-/// v_end]. The steps resolve every fringe.
+/// The impulse response of a circular aperture at defocus u, over the optical radius v in [0, v_end]. Its
+/// steps resolve every fringe.
 ///
-/// A ring of width dv contains the energy dE = I(u, v) v dv / 2. I(0, 0) is 1, and the total energy is 1.
+/// A ring of width dv contains the energy I(u, v) v dv / 2. I(0, 0) is 1, and the total energy is 1.
 class RadialEnergy {
   public:
     /// Returns the step of v in a table for defocus u: 1/8 or 1/2.

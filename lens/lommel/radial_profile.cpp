@@ -73,8 +73,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A ring of width dr has the area 2 pi r dr and the energy I v dv / 2, with v = r v_per_px. The ratio is
-    // I v_per_px^2 / (4 pi).
+    // A ring has the area 2 pi r dr and the energy I v dv / 2, with v = r v_per_px. The ratio is I v_per_px^2
+    // / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

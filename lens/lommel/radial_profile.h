@@ -24,10 +24,10 @@ class RadialProfile {
 
     /// Returns the fraction of the energy within a radius between 0 and end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// Returns `within`, averaged over fringes finer than `width_px`. The averaging error is of fourth order
-    /// in `width_px`.
+    /// Returns `within`, averaged over fringes finer than `width_px`, with an error of fourth order in
+    /// `width_px`.
     ///
-    /// The radius must be at least 3/2 widths away from 0 and from end_px().
+    /// The radius must be at least 3/2 widths from 0 and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
     /// Returns `smoothed_within` at `count` radii: begin_px, begin_px + width_px / row_steps, .. This is
     /// faster than single calls.

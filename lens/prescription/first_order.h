@@ -5,14 +5,13 @@
 
 namespace postlens {
 
-/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. n'
-/// is the refractive index behind the lens.
+/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. It
+/// is measured from the first vertex in object space, and from the last vertex in image space.
 ///
-/// In object space, z is measured from the first vertex. In image space, it is measured from the last vertex.
+/// n' is the refractive index behind the lens.
 struct FirstOrder {
-    /// Equivalent focal length: 1 / power, negative for a diverging lens. The rear focal length is n' efl.
-    ///
-    /// An object at infinity, at a small angle t (rad) from the axis, has its image at the height efl t.
+    /// Equivalent focal length, negative for a diverging lens. An object at infinity, at a small angle t
+    /// (rad), has its image at the height efl t. The rear focal length is n' efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens
@@ -27,10 +26,10 @@ struct FirstOrder {
     double film_distance_mm = 0;      ///< from the last vertex; bfl if the prescription gives none
 };
 
-/// Computes the properties at a wavelength, by default the prescription's own.
+/// Computes the properties at a wavelength, by default the prescription's.
 ///
-/// Throws Error(invalid_input) if the lens is afocal (power times length below 1e-9), or if a refractive
-/// index is outside [1, 5].
+/// Throws Error(invalid_input) for an afocal lens (power times length below 1e-9), or a refractive index
+/// outside [1, 5].
 [[nodiscard]] FirstOrder first_order(const Prescription& lens);
 [[nodiscard]] FirstOrder first_order(const Prescription& lens, double wavelength_nm);
 

@@ -18,10 +18,10 @@ class Glass {
     Glass() = default;
     /// Makes a medium whose refractive index is the same at every wavelength.
     [[nodiscard]] static Glass constant(double index, std::string name = "");
-    /// Makes a glass with n = A + B / L^2 at wavelength L [born1999, 2.3.4]. A and B follow from nd, the
-    /// index at the d line, and the Abbe number Vd > 0:
+    /// Makes a glass with n = A + B / L^2 at wavelength L [born1999, 2.3.4], from nd (the index at the d
+    /// line) and the Abbe number:
     ///
-    ///     Vd = (nd - 1) / (nF - nC)
+    ///     Vd = (nd - 1) / (nF - nC) > 0
     ///
     /// For real glasses, the error in the visible spectrum is about 1e-4.
     [[nodiscard]] static Glass abbe(double nd, double vd, std::string name = "");

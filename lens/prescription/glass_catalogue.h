@@ -9,10 +9,8 @@
 
 namespace postlens {
 
-/// Finds a glass by name. Case, hyphens and a maker's suffix ("_SCHOTT") are ignored. An old name ("BK7")
-/// finds the lead-free replacement ("N-BK7").
-///
-/// The Sellmeier terms are those that the makers publish. The result is empty if the name is unknown.
+/// Finds a glass by name, ignoring case, hyphens and a maker's suffix ("_SCHOTT"). An old name ("BK7") finds
+/// the lead-free replacement ("N-BK7"). The result is empty if the name is unknown.
 [[nodiscard]] std::optional<Glass> find_glass(std::string_view name);
 
 /// Returns the published index nd, to five decimals, or nothing if the name is unknown.

@@ -18,12 +18,10 @@ inline constexpr std::size_t most_surfaces = 500;
 /// Number of terms in the polynomial r^2, r^4, ... r^20 of an even asphere.
 inline constexpr std::size_t asphere_terms = 10;
 
-/// A surface of revolution about the z axis, which points from the scene to the film. Its distance from its
-/// vertex plane (the sag) at radius r is
+/// A surface of revolution about the z axis, which points from the scene to the film. At radius r, its
+/// distance from its vertex plane (the sag) is
 ///
 ///     c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i)
-///
-/// with curvature c, conic constant k and aspheric coefficients a_i.
 struct Surface {
     double curvature_per_mm = 0;                  ///< c = 1 / radius; > 0 if the centre is on the film side
     double conic = 0;                             ///< k; 0 for a sphere, -1 for a paraboloid
@@ -73,11 +71,10 @@ struct Prescription {
 /// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that overlap by more than 1 % within their clear radii, as in some patents.
-/// Both clear radii are reduced to the radius where the surfaces meet, and a note is added.
+/// Repairs neighbouring surfaces that overlap by more than 1 % of their clear radii, as in some patents. Both
+/// clear radii shrink to where the surfaces meet, and a note is added.
 ///
-/// Surfaces that meet too close to the axis (1 % of the clear radius) stay unchanged. check_prescription then
-/// rejects the lens.
+/// Surfaces that meet closer to the axis than 1 % stay unchanged, and check_prescription rejects them.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless:

@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Reads a prescription from a file in UTF-8 or UTF-16. The extension selects the format: .dat (pbrt), .zmx
-/// (Zemax), .seq (CODE V) or .toml (ours). See docs/lens_prescriptions.md.
+/// Reads a prescription (docs/lens_prescriptions.md). The extension selects the format: .dat (pbrt), .zmx
+/// (Zemax), .seq (CODE V) or .toml (ours).
 ///
 /// The prescription has passed `check_prescription` and is not afocal. Throws Error(invalid_input)
 /// "FILE:LINE: what (got X; expected Y)".

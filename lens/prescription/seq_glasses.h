@@ -17,15 +17,11 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a command between PRV and END, the block of private glasses. It defines a glass, or the
-    /// wavelengths of the indices in later commands.
-    ///
-    /// An unreadable glass is not an error until `find` needs it.
+    /// Reads a command between PRV and END, the block of private glasses. Unreadable glasses are errors only
+    /// in `find`.
     void define(int line, const std::string& key, const SeqWords& words);
-    /// Finds a glass by its catalogue name, its private name, or a code of index nd and Abbe number Vd, such
-    /// as "517642", "517.642" or "1.5168:64.17".
-    ///
-    /// Throws Error(invalid_input) if the glass is unknown.
+    /// Finds a glass by its catalogue name, its private name, or a code of index and Abbe number ("517642",
+    /// "517.642" or "1.5168:64.17"). Throws Error(invalid_input) if it is unknown.
     [[nodiscard]] Glass find(int line, std::string_view word) const;
 
   private:

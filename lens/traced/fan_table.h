@@ -7,18 +7,15 @@
 
 namespace postlens {
 
-/// A table of fans: bundles of rays from one object point through the lens. The object points lie on a grid
-/// of inverse depths and field tangents (tangents of the angle from the axis).
+/// A table of fans: bundles of rays from one object point through the lens. The points lie on a grid of
+/// inverse depths and field tangents.
 ///
 /// Between grid points, fans are interpolated linearly (errors in docs/lens.md). Results are bit-identical
 /// for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths from 0 to the given one or to the inverse focus distance, whichever is larger.
-    /// Covers tangents from 0 to `widest_tangent`.
-    ///
-    /// Beyond the largest inverse depth, responses grow linearly. Beyond the widest tangent, they stay
-    /// constant.
+    /// Covers inverse depths up to the given one or to the inverse focus distance, and tangents up to
+    /// `widest_tangent`. Responses grow linearly beyond the depths, and stay constant beyond the tangents.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
@@ -28,9 +25,8 @@ class FanTable {
     /// Returns an upper bound of the radius of all impulse responses at an inverse depth, divided by the film
     /// distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes over the field: the shift of a ray's landing
-    /// point, relative to the object point's image, per shift of the object point. Both are in field
-    /// tangents.
+    /// Returns an upper bound of how fast the response changes over the field. It bounds a ray's shift
+    /// relative to the object point's image, per shift of the object point.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

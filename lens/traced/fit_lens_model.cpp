@@ -74,8 +74,8 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals that fit the three circles to the traced edge of the pupil. The edge lies halfway between
-// neighbouring rays of which only one passes. Points are in pupil radii.
+// Adds residuals that fit the three circles to the pupil's traced edge, in pupil radii. The edge lies halfway
+// between neighbouring rays of which only one passes.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);

@@ -113,8 +113,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Returns the height, in mm, at which a paraxial ray meets the film: 0 for a point in focus. The ray
-    // starts on the axis and meets the pupil at the height 1 mm.
+    // Returns the height, in mm, at which a paraxial ray meets the film; it is 0 for a point in focus. The
+    // ray meets the pupil at 1 mm.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {

@@ -22,8 +22,8 @@ enum class LensModelKind {
 inline constexpr std::size_t lens_model_kinds = 4;
 [[nodiscard]] const char* name_of(LensModelKind kind);
 
-/// The landing point of a ray on the film, relative to that of the chief ray. The chief ray leaves the same
-/// object point and passes through the centre of the stop.
+/// A ray's landing point on the film, relative to that of the chief ray. The chief ray leaves the same object
+/// point through the centre of the stop.
 struct ModelRay {
     glm::dvec2 film_mm{0};
     bool passes = false;
@@ -41,8 +41,8 @@ struct ModelRay {
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of three circles whose intersection is the pupil, in radii of the paraxial pupil. T is the field
-/// tangent and K the defocus, both relative to the largest.
+/// One of three circles whose intersection is the pupil, in pupil radii. T is the field tangent and K the
+/// defocus, both relative to the largest.
 /// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
 /// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
@@ -59,10 +59,8 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Computes the landing point of a ray. The depth is positive and may be infinite. The field tangent is
-    /// along +y, and not negative.
-    ///
-    /// `pupil_mm` is on the plane of the paraxial pupil.
+    /// Computes the landing point of a ray, for a depth > 0 and a field tangent >= 0 along +y. `pupil_mm` is
+    /// on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the terms for x and for y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
@@ -75,11 +73,10 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b, in equal steps of the inverse depth, and `count` equal steps of the
-/// field tangent. b may be infinite.
+/// Returns `count` depths from a to b (may be infinite), in equal steps of inverse depth, and `count` field
+/// tangents. The chief ray of the largest tangent lands `field_mm` from the film centre.
 ///
-/// The largest tangent is that of the chief ray that lands `field_mm` from the film centre. Throws
-/// Error(wrong_arguments) unless 0 < a < b, or if there is no such ray.
+/// Throws Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands there.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -92,11 +89,10 @@ class LensModels {
     /// Returns the landing point of a ray by one of the models. The polynomial model needs set_polynomial.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the root mean square error of the landing points, in mm, over a uniform grid of the pupil.
-    /// Landing points are relative to the chief ray.
+    /// Returns the RMS error of landing points, in mm, over a uniform grid of the pupil. Landing points are
+    /// relative to the chief ray.
     ///
-    /// If only the model or only the traced lens passes a ray, the nearest ray that both pass replaces the
-    /// missing one.
+    /// For a ray that only one of model and traced lens passes, the nearest ray that both pass is used.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
@@ -116,8 +112,8 @@ class LensModels {
     double thick_at_infinity_ = 0, thick_per_depth_m_ = 0;
 };
 
-/// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares. The three
-/// circles of the pupil start as paraxial images of the stop and of the first and last rim.
+/// Fits the polynomial model to a traced lens, by least squares over a range of depths and fields. The
+/// pupil's circles start as paraxial images of the stop and the rims.
 ///
 /// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,

@@ -25,9 +25,7 @@ struct LensSection {
     double height_mm = 0;   ///< largest distance of these curves from the axis
 };
 
-/// Computes the section of a lens. For each tangent in `fields`, traces `rays` rays from a point at depth_m,
-/// spread across the pupil.
-///
+/// Computes the section of a lens, with `rays` rays from a point at depth_m for each tangent in `fields`.
 /// Surfaces without a clear radius are drawn as wide as the rays need.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);

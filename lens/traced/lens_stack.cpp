@@ -55,13 +55,11 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. This is a
-    // quadratic equation:
+    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]:
     //
     //     a t^2 - 2 b t + f = 0
     //
-    // The wanted solution f / (b + root) = (b - root) / a stays finite for c = 0. The form without
-    // cancellation is computed.
+    // Of f / (b + root) = (b - root) / a, the form without cancellation is computed.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;

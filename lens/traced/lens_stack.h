@@ -39,10 +39,10 @@ struct LensRay {
 
 enum class Apertures : bool { ignored, respected };
 
-/// The surfaces of a lens at one wavelength and stop opening, prepared for ray tracing. Conics are
-/// intersected in closed form, and even aspheres by Newton's method to 1e-10 mm [welford1986, 4].
+/// The surfaces of a lens, prepared for ray tracing. Conics are intersected in closed form, and even aspheres
+/// by Newton's method to 1e-10 mm [welford1986, 4].
 ///
-/// Tracing a ray neither allocates nor throws. Many threads may trace rays at the same time.
+/// Tracing neither allocates nor throws. Many threads may trace at once.
 class LensStack {
   public:
     /// `lens` must have passed check_prescription. If `stop_radius_mm` is infinite, the stop opens to its
@@ -59,8 +59,7 @@ class LensStack {
     /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last surface, or in front of
     /// the surface where it ends.
     ///
-    /// The origin may be any point on the ray's line. `hits` receives the intersections. It is empty or has
-    /// size() points.
+    /// `hits` is empty or receives size() intersections. The ray's origin may be anywhere on its line.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
     /// Traces a ray from the film to the scene, like `forward`. direction.z must be negative.

@@ -44,10 +44,8 @@ class LensView {
     /// Returns the paraxial scale: mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray whose light reaches the pixel that shows the direction `tangent`. Returns false if the
-    /// ray is blocked.
-    ///
-    /// (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Does not allocate memory.
+    /// Computes a ray whose light reaches the pixel of direction `tangent`. (u, v) select the ray as in
+    /// TracedLens::scene_ray. Returns false if it is blocked. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`

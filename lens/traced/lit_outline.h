@@ -14,8 +14,7 @@ namespace postlens {
 /// The outline of the region in which rays pass. `passes(p)` tests one ray, and `scale` is the region's
 /// approximate width.
 ///
-/// The region must be symmetric about x = 0 and star-shaped. Both are true for an object point on the +y axis
-/// of a rotationally symmetric lens.
+/// The region must be symmetric about x = 0 and star-shaped, as for an object point on the +y axis.
 template <class Passes>
 class LitOutline {
   public:

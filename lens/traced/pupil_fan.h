@@ -12,10 +12,10 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis, as a mesh of rings and spokes. The mesh covers the lit part of the
+/// Rays of an object point on the +y axis, as a mesh of rings and spokes. It covers the lit part of the
 /// pupil, from its centre to its edge.
 ///
-/// Nodes with x < 0 are mirror images and are not stored. Between nodes, values are interpolated linearly.
+/// Nodes with x < 0 are mirror images and are not stored.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
@@ -36,11 +36,11 @@ struct PupilFan {
     }
 };
 
-/// Traces the fan of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. An inverse depth
-/// of 0 means infinitely far, and a negative one means converging light.
+/// Traces the fan of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. The inverse
+/// depth is 0 at infinity, and negative for converging light.
 ///
-/// The search for the lit part of the pupil begins at `near_m`, which receives its centre. Returns false and
-/// leaves `out` unchanged if no light passes.
+/// The search begins at `near_m`, which receives the lit pupil's centre. Returns false, and leaves `out`
+/// unchanged, if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 

@@ -127,8 +127,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, and the direct search can fail. The search
-    // then proceeds from the axis outwards, in equal steps of the angle.
+    // In a wide-angle lens, the pupil moves with the field angle, and the direct search can fail. Then the
+    // search follows the pupil from the axis outwards.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -196,9 +196,8 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The lens moves between a fixed object and a fixed film, so their distance is given. If it is too short,
-    // no position of the lens focuses the object: x x' = n' efl^2 makes x + x' at least 2 sqrt(n') efl. x and
-    // x' are the distances from the two focal points.
+    // The object's and the image's distances from the focal points satisfy x x' = n' efl^2, so x + x' is at
+    // least 2 sqrt(n') efl. Nearer objects cannot be focused by moving the lens.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -208,8 +207,8 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the lens extension e. film(d) is the film position at which
-    // distance d is sharp. The iteration converges from below, because film(s - e) grows with e.
+    // Solves e = film(s - e) - film(infinity) for the lens extension e. film(d) focuses distance d. The
+    // iteration converges from below, because film(s - e) grows with e.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -306,8 +305,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // E0 is the irradiance at the film centre for a scene of radiance 1. The error of the sum is about 1 /
-    // nodes^1.5, because the pupil's edge cuts grid cells.
+    // E0 is the irradiance at the film centre for a scene of radiance 1. Its error is about 1 / nodes^1.5,
+    // because the pupil's edge cuts grid cells.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;

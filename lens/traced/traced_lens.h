@@ -98,11 +98,10 @@ class TracedLens {
     /// it is about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
-    /// Traces the impulse response of a point in the direction `field` = (x/z', y/z') from the pinhole.
-    /// depth_m > 0 may be infinite. Returns false if no ray passes.
+    /// Traces the impulse response of a point in the direction `field` = (x/z', y/z') at depth_m > 0 (may be
+    /// infinite). Returns false if no ray passes.
     ///
-    /// `nodes`^2 rays (2 to 4096 per side) cover a rectangle of the pupil plane that contains all passing
-    /// rays.
+    /// A grid of `nodes`^2 rays (2 to 4096 per side) covers all passing rays in the pupil plane.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
     /// Returns the ray from an object point through a point of the entrance pupil's plane. The ray lies in

@@ -16,10 +16,9 @@ struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
     /// Largest fraction of the energy, between 0 and 1, beyond the edge of the grid. Energy decreases only as
-    /// 1 / radius, so a small fraction needs a large grid.
+    /// 1 / radius, so small fractions need large grids.
     ///
-    /// At 0.01, the grid ends about 10 lambda V/D outside a strongly defocused disc (wavelength lambda, film
-    /// distance V, aperture diameter D).
+    /// At 0.01, the grid ends about 8 Airy radii outside a strongly defocused disc.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
     /// If true, the energy beyond the grid is distributed over its pixels, in proportion to their values. The
@@ -48,11 +47,10 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u. It solves
-/// (2/pi) v/(v^2 - u^2) = tail.
+/// Returns a radius v beyond which about the fraction `tail` of the energy lies at defocus u: (2/pi) v/(v^2 -
+/// u^2) = tail.
 ///
-/// v can be too small by one fringe, because the formula averages over fringes. Near the geometric edge v =
-/// |u|, it is too large.
+/// It can be too small by one fringe, and is too large near the geometric edge v = |u|.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

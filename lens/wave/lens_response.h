@@ -33,7 +33,7 @@ struct RadialSample {
 
 struct LensResponse {
     /// The fraction of the energy in each pixel; the sum is `energy_in_frame`. The geometric image is at the
-    /// grid's centre: a pixel's centre for odd sizes, or its corner for even sizes.
+    /// grid's centre, a pixel's centre if sizes are odd.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
@@ -47,16 +47,15 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it never measures a single
     /// bright fringe. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Evenly spaced samples from the centre to half the grid's width. There are four per unit of v (the
-    /// optical radius), but 512 to 8192 in total, or fewer if they would take seconds.
+    /// Evenly spaced samples from the centre to half the grid's width: four per unit of v (the optical
+    /// radius), but 512 to 8192 in total. Slow computations get fewer.
     std::vector<RadialSample> profile;
 };
 
-/// Computes a lens's impulse response for one scene point. A pinhole (infinite f-number) images the point as
-/// a point.
+/// Computes a lens's impulse response for one scene point.
 ///
 /// Throws Error(wrong_arguments) if a number is out of range, or for diffraction by a pinhole. Throws
-/// Error(out_of_memory), with the required memory, if memory is short.
+/// Error(out_of_memory), with the required memory.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

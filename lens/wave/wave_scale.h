@@ -23,16 +23,13 @@ inline constexpr double largest_u = 1e6;
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns u and v_per_px for a thin lens focused at distance s. The focus distance must exceed the focal
-/// length, and the f-number must be finite.
-///
-/// u is v_per_px times the radius of the circle of confusion in px. So the geometric disc ends at v = |u|.
+/// Returns u and v_per_px for a thin lens focused at s > F, with a finite f-number. u is v_per_px times the
+/// radius of the circle of confusion in px, so the geometric disc ends at v = |u|.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns u and v_per_px for a lens that is applied to a traced image. u is v_per_px times half of
-/// `coc_diameter_px`. v_per_px is 2 pi a / (lambda g), with aperture radius a, wavelength lambda and film
-/// distance g (`gain_px`).
+/// Returns u and v_per_px for a lens applied to a traced image. u is v_per_px times half of
+/// `coc_diameter_px`. v_per_px is 2 pi a / (lambda g), with aperture radius a and g = `gain_px`.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 

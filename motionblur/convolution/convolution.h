@@ -15,8 +15,8 @@ struct Planes {
 };
 
 /// Method of convolving an object's raster with its path's raster.
-/// - direct: sums over the cells of the path. A run of equal weights is added in one step.
-/// - fft: multiplies Fourier transforms, in blocks if that is cheaper.
+/// - direct: sums over the cells of the path, in runs of equal weight.
+/// - fft: multiplies Fourier transforms.
 /// - automatic: the method with the shorter predicted time.
 enum class ConvolutionMethod { automatic, direct, fft };
 

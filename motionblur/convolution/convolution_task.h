@@ -21,8 +21,8 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. `out`,
-    /// the window of the result within `wanted`, is empty if the result is 0.
+    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. If the
+    /// result is 0, its window `out` is empty.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }

@@ -122,7 +122,7 @@ struct CellTerm {
     float weight;
 };
 /// The contribution of a run of path cells: `weight` times a sum of consecutive object values. The sum is the
-/// difference of two prefix sums, at the offsets `high` and `low`.
+/// difference of prefix sums at `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;

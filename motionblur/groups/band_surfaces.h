@@ -29,10 +29,9 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// The records of one instant, in bands of `band_rows` rows of pixels. Only the needed bands are kept in
-/// memory, usually few.
+/// The records of one instant, in bands of `band_rows` rows. Only the needed bands are kept in memory.
 ///
-/// A band also contains the next band's first row, where the records on their common border are stored.
+/// A band also contains the next band's first row, which holds the records on their common border.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.

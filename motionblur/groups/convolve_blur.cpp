@@ -16,7 +16,7 @@ namespace {
 struct Between {
     std::array<double, 3> colour{};
     /// These surfaces cover the fraction covered / known of the pixel. `known` is the weight of the samples
-    /// with a record at this depth or behind it; other samples tell nothing.
+    /// with a record at this depth or behind it.
     double covered = 0, known = 0;
 };
 
@@ -176,8 +176,8 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
-/// Returns an upper bound of the squared covariance of the nearer group's coverage and the farther group's
-/// light, summed over pixels. A squared covariance is at most the product of both variances.
+/// Bounds the squared covariance of the nearer group's coverage and the farther group's light, summed over
+/// pixels. It is at most the product of both variances.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -114,8 +114,8 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area is proportional to max(0, 1 + v), where v is the sum of rate * position. But a slice
-    // can only change linearly. So 1 - v / low with the same mean is used, which is 0 at v = low.
+    // The projected area is proportional to max(0, 1 + v), but slices can only change linearly. So 1 - v /
+    // low is used, with the same mean. v is the sum of rate * position.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }

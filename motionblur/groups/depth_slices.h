@@ -15,7 +15,7 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
 /// Returns the error of drawing a group as one opaque surface: the area of gaps and overlaps between its
-/// parts, as a fraction of its recorded area. Gaps below 0.5 px do not count.
+/// parts, relative to its recorded area. Gaps below 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -25,8 +25,8 @@ struct PathAxis {
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction to the path's farthest point, and the perpendicular direction if the path leaves
-/// this line by more than 1 px. Returns nothing if the path does not move.
+/// Returns the direction to the path's farthest point, and the perpendicular one if the path leaves this line
+/// by over 1 px. Empty if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
 /// How the projected area of a piece of a surface changes while the piece moves along its path. At time t,
@@ -43,8 +43,7 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice. They change linearly with the displacement p along the
-/// path (see Stretch):
+/// Red, green, blue and coverage of a depth slice, linear in the displacement p along the path:
 ///
 ///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
 struct SliceRaster {
@@ -56,8 +55,8 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is the width of a pixel in the
-    /// scene, in m; for a perspective camera, at a distance of 1 m.
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is a pixel's width in the
+    /// scene, in m (for a perspective camera, at 1 m).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 

@@ -28,8 +28,8 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The raster cells [x, x + n) x [y, y + n) under one quarter of a quadtree leaf. The quarter covers the
-/// fraction `share` of each. `share` is 1 unless the quarter is smaller than a cell.
+/// The raster cells [x, x + n) x [y, y + n) under one quarter of a quadtree leaf. `share` is below 1 if the
+/// quarter is smaller than a cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;

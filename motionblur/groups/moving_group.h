@@ -30,11 +30,11 @@ struct MovingGroup {
 /// parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups the moving objects whose displacements agree within 0.02 px, from near to far. Objects with
-/// parallax must overlap in depth, and their displacements are first scaled to the same depth.
+/// Groups the moving objects whose displacements agree within 0.02 px, sorted from near to far. With
+/// parallax, objects must overlap in depth and agree after scaling to the same depth.
 ///
-/// With `fit_px`, a spline of few knots replaces each path, within `fit_px` (`fit_path`). Throws
-/// Error(wrong_arguments) for an object that passes the camera, because it has no path.
+/// With `fit_px`, splines replace paths within this tolerance (`fit_path`). Throws Error(wrong_arguments) for
+/// an object that passes the camera.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

@@ -15,13 +15,13 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of passed_box in which a static surface lies in the group's range of depth. Such
-/// surfaces may be composited in the wrong order, because groups are placed at one depth.
+/// Returns the fraction of passed_box in which a static surface lies in the group's range of depth. Its order
+/// may be wrong, because groups are composited at one depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns why the light field blurs groups[g], which has parallax, better than convolution, or an empty
-/// string if it does not. Reasons are:
+/// Returns why convolution would blur groups[g], which has parallax, worse than the light field, or an empty
+/// string:
 /// - The parallax exceeds `most_parallax_px`.
 /// - Another object lies in the group's range of depth along its path.
 /// - Parts of the group leave gaps or overlap (torn_share).

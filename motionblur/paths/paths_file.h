@@ -33,8 +33,7 @@ struct ObjectPath {
 /// not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// Returns the ids of the objects that each path moves, by id or by name. `names` contains the name of each
-/// id.
+/// Returns the ids of the objects that each path moves. `names` contains the name of each id.
 ///
 /// Throws Error(invalid_input) "FILE:LINE: ..." for an unknown id or name, and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(

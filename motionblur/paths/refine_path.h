@@ -11,10 +11,9 @@ namespace postlens {
 /// Returns the largest distance, in px, between the path and the points at the times of the points.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Finds the knots of a Bezier path that minimise its largest distance from the points. `times_s` contains at
-/// least 2 initial times, from the first to the last point.
+/// Minimises a Bezier path's largest distance from the points, beginning with at least 2 knots at `times_s`.
+/// Stops when the distance is at most `tolerance_px` or no longer decreases.
 ///
-/// Stops when the distance is at most `tolerance_px` or no longer decreases, and returns the best knots.
 /// Larger distances count by their fourth power, so that the largest dominate.
 [[nodiscard]] std::vector<PathKnot> refine_path(std::span<const PathPoint> points,
                                                 const std::vector<double>& times_s, double tolerance_px);

@@ -113,8 +113,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // A chord over a step h of the parameter has an error of at most c h^2 / 8. c is the largest second
-    // derivative, found at an end of the cubic.
+    // A chord over a step h has an error of at most c h^2 / 8. c is the largest second derivative, which a
+    // cubic has at one of its ends.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;

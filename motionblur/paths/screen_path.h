@@ -51,9 +51,7 @@ class ScreenPath {
 
     [[nodiscard]] glm::dvec2 at(double time_s) const;
     /// Returns points of the path from open_s to close_s. Linear interpolation in time between them has an
-    /// error of at most `tolerance_px` > 0. So both shape and speed are kept.
-    ///
-    /// There is only one point if open_s is close_s.
+    /// error of at most `tolerance_px`, so shape and speed are kept.
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
@@ -70,8 +68,8 @@ class ScreenPath {
 /// Approximates a function of time by pieces of constant velocity. `breaks_s` contains, in increasing order,
 /// the instants at which the velocity may change abruptly.
 ///
-/// Pieces are halved, at most 20 times, until they agree with the function at five instants. There are at
-/// least 16 pieces, and two between breaks. `at` must return finite positions. The result is deterministic.
+/// Pieces are halved, at most 20 times, until they agree with `at` at five instants. There are at least 16
+/// pieces. `at` must return finite positions.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

@@ -29,9 +29,8 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// exact_px is the largest error of a reprojected position. overlap_px is the overlap of neighbouring
-/// patches, planar parts of the image. It is smaller than the distance from any sample to its pixel's border,
-/// so no patch covers neighbouring samples.
+/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image).
+/// The overlap is too small to reach samples of neighbouring pixels.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -75,8 +74,8 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns the background for gaps where no view shows a surface. It is interpolated from the static pixels,
-/// which have `weight` 1. Without weights, it is the mean of the views.
+/// Returns the background for gaps where no view shows a surface, interpolated from static pixels (`weight`
+/// 1). Without weights, it is the mean of the views.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

@@ -20,8 +20,8 @@ struct VectorChoice {
     std::filesystem::path file;        ///< separate file with the vectors, if not empty
 };
 
-/// The two channels of the motion vectors, in one part of the file. (value - offset) * scale is the
-/// displacement to the next frame, in px to the right and down.
+/// The two channels of the motion vectors, in one part of the file. The displacement to the next frame is
+/// (value - offset) * scale, in px right and down.
 struct VectorChannels {
     std::size_t part = 0;
     std::string u, v;

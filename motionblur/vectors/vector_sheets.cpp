@@ -177,8 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Returns the velocity of the pixel corner that `dx` and `dy` (-1 or 1) select. It is the mean over the
-    /// pixels at this corner that belong to the same surface.
+    /// Returns the velocity of the pixel corner that `dx` and `dy` (-1 or 1) select: the mean over the pixels
+    /// there that belong to the same surface.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);

@@ -25,10 +25,10 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
 /// Returns whether two neighbouring pixels belong to one surface. They do if their motion vectors agree
-/// within 0.25 px, as on a floor near the horizon.
+/// within 0.25 px.
 ///
-/// Otherwise the vectors must agree within 2 px or a tenth of the longer one, and the ids must be equal.
-/// Without ids, known depths must agree within 2 % instead.
+/// They also do if the vectors agree within 2 px or a tenth of the longer, and the ids are equal. Without
+/// ids, depths must agree within 2 %.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens
