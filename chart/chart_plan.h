@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart, completed by those of the scene.
+/// Lens, shutter and camera of a chart. The scene provides what the request leaves out.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;

@@ -291,7 +291,7 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // A sweep varies the lens, so only methods that depend on it are timed.
+        // A sweep varies the lens, so only methods that depend on the lens are timed in one.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);

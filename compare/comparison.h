@@ -72,8 +72,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line for each limit that is not met. With any limit, values that are not finite only in the
-/// image also add a line.
+/// Returns one line for each limit that is not met. If any limit is set, a NaN or infinity that only the
+/// image has also adds a line.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

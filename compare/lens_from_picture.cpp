@@ -186,7 +186,7 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Finds the minimum in two descents. Each uses only the pixels in which the blur of its first lens is
+/// Finds the minimum in two descents. Each uses only the pixels in which the blur of its starting lens is
 /// reliable.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));

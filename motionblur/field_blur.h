@@ -1,4 +1,4 @@
-// Motion blur by a light field over time: images at many instants are averaged.
+// Motion blur by a light field over time: the mean of images at many instants.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct FieldBlurSettings {
     std::optional<Crop> crop;
 };
 
-/// Returns the directly visible surfaces of a file, one mesh per recorded instant. Mirrors and glass are
-/// drawn with the colours seen in them, which move with them.
+/// Returns the directly visible surfaces of a file, one mesh per recorded instant. The colours seen in a
+/// mirror or glass move with its surface.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
@@ -48,7 +48,7 @@ inline constexpr std::uint8_t wanted_mark = 2;
 /// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Where nothing moves,
 /// `unknown` is 0.
 ///
-/// `field` must have one element of `sets`, and `class_marks`.
+/// `field` must have exactly one element in `sets`, and `class_marks` must not be empty.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
 /// Copies the pixels of `seen` whose `touched` contains a bit of `marks` to `image`. Their unrecorded

@@ -86,13 +86,13 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Keeps only the bands in memory that contain an object of `only`. If `only` is empty, any object
-        // counts.
+        // Keeps in memory only the bands of rows that contain an object of `only`, or any object if `only` is
+        // empty.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // At other instants, an object may move differently, or be recorded only there.
+        // At other instants, an object may move differently. Some objects are recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -164,8 +164,8 @@ class MotionBlur {
         }
     }
 
-    // Returns whether the border of the records cuts an object at the frame's instant. Convolution cannot
-    // show the missing part; the light field finds it at other instants.
+    // Returns whether the border of the recorded area cuts an object at the frame's instant. Convolution
+    // cannot show the missing part; the light field finds it at other instants.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }

@@ -22,8 +22,8 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects by their directly seen records in a band. Returns whether there are
-/// any. `only` (sorted) selects objects; all count if it is empty.
+/// Enlarges objects' bounding boxes by the directly seen records of a band. `only` (sorted) selects the
+/// objects, or all if it is empty. Returns whether the band has any.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
@@ -43,8 +43,8 @@ struct IdMotion {
     /// Largest difference, in px, between the displacements of a box corner and the box's centre. Infinite if
     /// the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of predicting a box corner's displacement from the centre's displacement. The
-    /// prediction is proportional to the inverse depth.
+    /// Largest error, in px, of predicting a box corner's displacement from the centre's, in proportion to
+    /// the inverse depth.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m

@@ -204,8 +204,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether an object's cut edge moves into the frame. The border of the recorded area cuts it, and
-/// `map` moves it from the recorded instant to another.
+/// The border of the recorded area may cut off part of an object. Returns whether `map`, the motion to
+/// another instant, moves this cut edge into the frame.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -216,7 +216,7 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, cut objects already end at the frame's border. A larger movement of the edge
+        // Without overscan, cut objects already end at the frame's border. Only a movement beyond this margin
         // counts.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
@@ -335,7 +335,7 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // Skips t if no used record shows the object: it is not visible then.
+        // Skips t if no usable record shows the object, because it is not visible then.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -354,8 +354,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, every surface that fills the frame would warn. For lightfield, "uncovered"
-        // reports what is missing.
+        // If the camera moves, every surface that fills the frame would cause a warning. For lightfield,
+        // "uncovered" reports what is missing.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

@@ -42,21 +42,21 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" for pixels in which over 1 % of the light is unknown. Less may be a tiny gap
-/// between quadtree leaves.
+/// Adds the warning "uncovered" for pixels in which over 1 % of the light is unknown. A smaller share may be
+/// a tiny gap between quadtree leaves.
 ///
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the records cuts an object at any time of the exposure. It is whole if the
-/// frame's records or a neighbouring instant show all of it.
+/// Returns whether the border of the recorded area cuts an object at any time of the exposure. It is whole if
+/// the records of the frame or of a neighbouring instant show all of it.
 ///
 /// `instants` contains bounding boxes at the usable instants, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that the border of the records cuts (`is_cut`). Objects of
-/// lightfield are exempt if the camera moves.
+/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts (`is_cut`).
+/// Objects that lightfield blurs are exempt if the camera moves.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

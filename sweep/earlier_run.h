@@ -26,8 +26,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an earlier image with the key `earlier` can be kept for the settings `s`. It may have
-    /// a predicted error that this sweep does not need.
+    /// Returns true if an earlier image with the key `earlier` can be kept for the settings `s`. The image
+    /// may also have a predicted error.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

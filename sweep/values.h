@@ -28,7 +28,7 @@ inline constexpr std::size_t most_pictures = 10000;
 [[nodiscard]] std::vector<double> focus_list(const std::string& option, std::string_view text);
 
 /// Parses focal lengths in mm, finite and positive. A range is FROM:TO:COUNT, rising or falling, with both
-/// ends. Logarithms are evenly spaced.
+/// ends. Values are evenly spaced in their logarithm.
 [[nodiscard]] std::vector<double> focal_length_list(const std::string& option, std::string_view text);
 
 /// Parses shutters OPEN:CLOSE, finite times in s. OPEN must not be after CLOSE.

@@ -64,8 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of a case: the method, its remedy if any, the pinhole image, and the reference's
-/// noise.
+/// Returns the table rows of a case: the method, its remedy (a correct method) if any, the pinhole image, and
+/// the reference's noise.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {

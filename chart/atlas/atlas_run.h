@@ -38,8 +38,8 @@ struct AtlasResult {
 
 /// Runs one case. Temporary files are written to `folder`, which must exist. Throws Error.
 ///
-/// Unless `strip` is empty, it receives the images side by side: method, remedy, reference, and the method's
-/// error map.
+/// Unless `strip` is empty, it receives the images side by side: method, remedy (a correct method),
+/// reference, and the method's error map.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 

@@ -14,7 +14,7 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Tested blur diameters: in steps of 0.5 px up to 8 px, then of a 16th.
+/// Tested blur diameters increase by 0.5 px up to 8 px, and then by a 16th.
 constexpr double step_px = 0.5, even_to_px = 8;
 /// Largest number of compared pixels. More would not help: the tested apertures differ by about 10 % anyway.
 constexpr std::size_t most_pixels = 12000;
@@ -82,8 +82,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Squared robust residuals for every compared pixel and blur diameter. Testing a lens takes one look-up per
-/// pixel.
+/// Table of squared residuals for every compared pixel and blur diameter. Testing a lens takes one look-up
+/// per pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {

@@ -1,4 +1,5 @@
-// Computes the residuals between a given image and a lens's image of the records, and their derivatives.
+// Computes the residuals between a given image and the image that `focus` makes with a lens, and their
+// derivatives.
 #pragma once
 
 #include <deque>

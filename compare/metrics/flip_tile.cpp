@@ -111,8 +111,8 @@ double flip_tone_curve_inverse(double level) {
 
 namespace {
 
-// Convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y, Z are relative to white (D65), so the rows
-// sum to 1.
+// These matrices convert linear Rec.709 to X, Y, Z and back [iec61966-2-1]. X, Y, Z are relative to white
+// (D65), so the rows sum to 1.
 constexpr float white_x = 0.9504559F, white_z = 1.0890578F;
 constexpr std::array<float, 9> xyz_from_rgb{0.4123908F / white_x, 0.3575843F / white_x, 0.1804808F / white_x,
                                             0.2126390F,           0.7151687F,           0.0721923F,

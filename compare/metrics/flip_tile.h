@@ -12,8 +12,8 @@ namespace postlens {
 /// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Contrast sensitivity. Blue-yellow is a sum of two Gaussians, whose taps sum to their weights. All
-    /// other taps sum to 1.
+    /// Filters of contrast sensitivity. Blue-yellow is a sum of two Gaussians, whose taps sum to their
+    /// weights. All other taps sum to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// A Gaussian and its two derivatives. Positive taps of a derivative sum to 1, and negative ones to -1.

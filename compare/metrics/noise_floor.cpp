@@ -33,7 +33,7 @@ struct BlockSums {
 };
 
 // Estimates the bias b that sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy values of
-// a pixel, and f1 and f2 are encoded.
+// a pixel; f1 and f2 are these values encoded.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     // The mean of r1 and r2 has half the variance, and so the bias b / 2. The difference is doubled.
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -

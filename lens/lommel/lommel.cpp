@@ -55,8 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase changes by at most u + v radians over the pupil. 16 nodes integrate half a fringe (pi) up to
-    // rounding error.
+    // The phase changes by at most u + v radians over the pupil. A panel of 16 nodes integrates half a fringe
+    // (pi) up to rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), with U1 = x odd and U2 = x^2 even. x cancels 1/u, so u may
-        // be 0 (the Airy pattern).
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with U1 = x * odd and U2 = x^2 * even. x cancels 1/u, so u
+        // may be 0 (the Airy pattern).
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

@@ -18,7 +18,7 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// distance `x` from the centre.
 ///
 /// The flow is the integral of L x / (2 pi r^2) over y, where L is the energy within radius r. With y = x
-/// sinh t, it is that of L / (2 pi cosh t) over t.
+/// sinh t, it becomes the integral of L / (2 pi cosh t) over t.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     // Below this |x|, the flow is negligible. It is proportional to x, because L is proportional to r^2 near
     // the centre.

@@ -74,7 +74,7 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates the cubic Hermite polynomial of `within` from 0 to t:
+    // Integrates the cubic Hermite polynomial of `within`, which is w0 at the step's beginning, from 0 to t:
     //
     //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3
     return within_sum_[i] + step_ * t *

@@ -45,8 +45,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Half a width and three half widths, in steps of the row. The three intervals of smoothed_within end
-    // there.
+    // The three intervals of smoothed_within end half a width and three half widths away, in steps of the
+    // row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

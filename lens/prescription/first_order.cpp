@@ -81,8 +81,8 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A ray (y, nu) at the first surface meets the stop at the height a (y + b/a nu). So the stop appears at
-    // distance b/a, and 1/a times as large.
+    // A ray (y, nu) at the first surface meets the stop at the height a (y + b/a nu). So the entrance pupil
+    // lies at b/a, and is 1/a times as large as the stop.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;

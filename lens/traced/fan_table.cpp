@@ -89,8 +89,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a tabulated quantity: the larger neighbour within the table, and linear growth
-// beyond it.
+// Returns an upper bound of a tabulated quantity. It is the larger neighbour within the table, and grows
+// linearly beyond it.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

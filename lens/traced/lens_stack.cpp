@@ -49,8 +49,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // Moves an origin more than 100 curvature radii away to the ray's point nearest to the vertex, for
-    // precision. For a tiny surface, rounding makes a second move necessary.
+    // For precision, moves an origin over 100 radii of curvature away to the ray's point nearest to the
+    // vertex. For a tiny surface, rounding makes a second move necessary.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;

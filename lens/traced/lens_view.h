@@ -35,7 +35,8 @@ struct ViewRay {
 /// `breathing`, the film is where the focus distance requires it.
 class LensView {
   public:
-    /// Throws Error(wrong_arguments) if `settings.film` is out of range, and the errors of TracedLens.
+    /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of
+    /// TracedLens.
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }

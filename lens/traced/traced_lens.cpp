@@ -399,8 +399,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Solid angle per area of the pupil plane, seen from the object point: cos^3 / depth^2. It is
-        // relative to the ray through the pupil's centre.
+        // Weight of the ray: solid angle per area of the pupil plane, cos^3 / depth^2. It is relative to the
+        // ray through the pupil's centre.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

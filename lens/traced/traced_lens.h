@@ -24,7 +24,7 @@ enum class FocusMove {
 
 struct TracedLensSettings {
     /// Focus distance s > 0 from the pinhole, may be infinite. If absent, the film is where the prescription
-    /// places it, or at infinity focus.
+    /// places it, or else the lens is focused at infinity.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -104,8 +104,8 @@ class TracedLens {
     /// A grid of `nodes`^2 rays (2 to 4096 per side) covers all passing rays in the pupil plane.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
-    /// Returns the ray from an object point through a point of the entrance pupil's plane. The ray lies in
-    /// front of the lens, in its frame.
+    /// Returns the ray from an object point through a point of the entrance pupil's plane, before it enters
+    /// the lens.
     [[nodiscard]] LensRay object_ray(double depth_m, glm::dvec2 field, glm::dvec2 pupil_mm) const noexcept;
     /// Finds the point of the entrance pupil's plane whose ray passes through the stop's centre [welford1986,
     /// 5]. The result is empty if there is none.

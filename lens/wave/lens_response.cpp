@@ -138,8 +138,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity of the disc relative to the peak in focus: 1 / (pi R^2) over v_per_px^2 / (4 pi), with R
-        // = u / v_per_px.
+        // Intensity of the disc relative to the peak in focus: 1 / (pi R^2) divided by v_per_px^2 / (4 pi),
+        // with R = u / v_per_px.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -239,8 +239,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Displacement of light through the lens rim by spherical aberration X (1/m), which adds X rho^2 to the
-    // defocus at lens radius rho.
+    // Displacement, in px, of light through the lens rim by spherical aberration X (1/m). X adds X rho^2 to
+    // the defocus at lens radius rho.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

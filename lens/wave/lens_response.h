@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture for responses without diffraction. If absent, it is made from `impulse`. Aperture images
-    /// need it.
+    /// The aperture for responses without diffraction. If absent, it is made from `impulse`. It is required
+    /// for aperture images.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -48,7 +48,7 @@ struct LensResponse {
     /// bright fringe. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
     /// Evenly spaced samples from the centre to half the grid's width: four per unit of v (the optical
-    /// radius), but 512 to 8192 in total. Slow computations get fewer.
+    /// radius), but 512 to 8192 in total. There are fewer if computing them takes seconds.
     std::vector<RadialSample> profile;
 };
 

@@ -131,7 +131,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, with its ranges of Terms::cells and Terms::runs.
+/// A row of the path's raster, with the ranges of its cells and runs in Terms.
 struct PathRow {
     int y;
     ColumnRange columns;

@@ -184,7 +184,8 @@ double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther)
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // Variance of the coverage: c (1 - c). Variance of light up to radiance 1: at most its coverage.
+            // The nearer coverage c has the variance c (1 - c). The farther light has at most its coverage as
+            // variance, for radiances up to 1.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

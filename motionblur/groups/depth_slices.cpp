@@ -131,7 +131,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four leaves, and needs one Piece for each.
+    // A record is a corner of about four quadtree leaves, and needs one Piece for each.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
@@ -151,7 +151,7 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    // Reserves the largest possible number. The system only provides memory that is written.
+    // Reserves the largest possible number of pieces, because unwritten memory costs nothing.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     for_each_leaf_of(band, table, g, window_, cells_per_px_,
                      [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {

@@ -15,8 +15,8 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of passed_box in which a static surface lies in the group's range of depth. Its order
-/// may be wrong, because groups are composited at one depth.
+/// Returns the fraction of passed_box (the area that the group passes) with a static surface in the group's
+/// range of depth. Compositing may order such surfaces wrongly, because a group has one depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

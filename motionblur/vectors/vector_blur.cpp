@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of static pixels that determines the background of moving ones.
+/// Smallest share of static pixels from which the background of moving pixels is interpolated.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {

@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest number of pixels in both windows together. Each has four vertices, counted in 32 bits.
+/// Largest number of pixels in the data and display windows together. Each pixel has four vertices, counted
+/// in 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -59,7 +60,8 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Parts may have different windows. Outside them, pixels are black, static and infinitely far away.
+        // Parts of the file may have different windows. Pixels outside them are black, static and infinitely
+        // far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -95,7 +97,7 @@ class Reader {
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no motion vectors, so those beside the first vectors are used.
+            // The first colours have no motion vectors, so the colours beside the first vectors are used.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;

@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Bytes per stored pixel. Twice as much must be available, because growing arrays reserve more than
-        // they use.
+        // Bytes that sheets need per stored pixel. Twice as much must be available, because growing arrays
+        // reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
