@@ -11,8 +11,8 @@ struct CostError {
     double seconds = 0, error = 0;  ///< both positive
 };
 
-/// Returns the indices of the Pareto-optimal points, by rising seconds: no other point is faster without a
-/// larger error.
+/// Returns the indices of the Pareto-optimal points, by rising seconds. No other point is better in one value
+/// without being worse in the other.
 ///
 /// Points that are not finite are omitted. Of equal points, the first is returned.
 [[nodiscard]] std::vector<std::size_t> pareto_frontier(const std::vector<CostError>& points);

@@ -88,11 +88,9 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the strip's area to the left of the vertical line at x, relative to the centre. The strip is the
-/// part of the ellipse within one pixel row.
-///
-/// It integrates min(right(t), x) - min(left(t), x) over the height t. left(t) and right(t) are the ends of
-/// the chord at t.
+/// Returns the strip's area to the left of the vertical line at x, relative to the centre. It integrates
+/// min(right(t), x) - min(left(t), x) over the height t, where left(t) and right(t) are the ends of the
+/// ellipse's chord.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;

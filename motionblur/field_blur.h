@@ -37,7 +37,7 @@ struct FieldBlur {
 inline constexpr std::uint8_t wanted_mark = 2;
 
 /// Blurs moving objects as the mean of many views. A view is an image at one instant, blended from the
-/// recorded instants before and after it. Views are denser in time while the shutter transmits more light.
+/// recorded instants before and after it.
 ///
 /// `ids` states how objects move. Only tiles over which objects of `wanted_ids` (sorted) pass are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Marks the pixels in which an object of `ids` (sorted) is directly visible, or in their neighbours to the
-/// right and below. Bands that are not in memory get 0.
+/// Marks each pixel that directly shows an object of `ids` (sorted), or whose neighbours to the right or
+/// below do. Bands that are not in memory get 0.
 [[nodiscard]] std::vector<std::uint8_t> pixels_showing(const SampleHeader& header,
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);

@@ -8,11 +8,10 @@
 
 namespace postlens {
 
-/// Writes a sample file with the depths and ids of the pixel corners in `file`. A corner's radiance is the
-/// mean of the four pixels of `image` around it.
+/// Writes a sample file with the depths and ids of the pixel corners in `file`, without hidden surfaces,
+/// reflections and overscan. A corner's radiance is the mean of the four pixels of `image` around it.
 ///
-/// `image` must have the size of the frame. Hidden surfaces, reflections and overscan are left out. Throws
-/// Error.
+/// `image` must have the size of the frame. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -39,11 +39,11 @@ struct NoiseFloor {
     double preference = 0;
 };
 
-/// Estimates the errors over the pixels that `mask` counts. All images must have the same size.
-/// docs/compare.md derives the formulas.
+/// Estimates the errors over the pixels that `mask` counts (docs/compare.md). All images must have the same
+/// size.
 ///
-/// Standard errors come from sums over 16 x 16 px blocks, smaller if there are fewer than 64. They assume
-/// Gaussian errors that are independent between blocks.
+/// Standard errors come from sums over blocks of 16 x 16 px or less. They assume Gaussian errors that are
+/// independent between blocks.
 [[nodiscard]] NoiseFloor noise_floor(const Picture& image, const Picture& reference,
                                      const Picture& second_reference, const PixelMask& mask);
 

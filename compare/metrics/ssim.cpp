@@ -13,7 +13,7 @@ namespace {
 constexpr int window_radius = 5;
 constexpr std::size_t in_width = tile_width + 2 * window_radius, in_height = tile_height + 2 * window_radius;
 
-// Taps of the Gaussian window, which sum to 1 [wang2004, sec. III-C].
+// Taps of the Gaussian window, with a standard deviation of 1.5 px [wang2004, sec. III-C]. They sum to 1.
 std::array<float, 2 * window_radius + 1> window() {
     std::array<double, 2 * window_radius + 1> w{};
     double sum = 0;

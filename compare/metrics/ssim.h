@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size, per pixel, with K1 = 0.01, K2
-/// = 0.03 and range 1. It uses the Rec.709 luma.
+/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size, per pixel, from the Rec.709
+/// luma.
 ///
-/// The window is an 11 x 11 px Gaussian with a standard deviation of 1.5 px, so the outer 5 px are NaN. Where
-/// `usable` is 0, both images are black.
+/// The outer 5 px are NaN, because the window crosses the border there. Where `usable` is 0, both images are
+/// black.
 [[nodiscard]] std::vector<float> ssim_map(const Image& a_encoded, const Image& b_encoded,
                                           const PixelMask& usable);
 

@@ -6,11 +6,8 @@
 
 namespace postlens {
 
-/// Returns the Bessel functions J_0(v), J_1(v), .. for v >= 0, with errors of about 1e-15 of the largest. The
-/// last are below 1e-18.
-///
-/// Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1} [abramowitz1972, 9.12]. Needs v + O(v^(1/3))
-/// steps.
+/// Returns the Bessel functions J_0(v), J_1(v), .. for v >= 0 [abramowitz1972, 9.12]. Errors are about 1e-15
+/// of the largest, and the last values are below 1e-18. Needs v + O(v^(1/3)) steps.
 [[nodiscard]] std::vector<double> bessel_orders(double v);
 
 /// Returns an order n at which the Bessel function J_n(v) is below 1e-18. The recurrence of bessel_orders

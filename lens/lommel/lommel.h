@@ -12,8 +12,7 @@ namespace postlens {
 ///
 ///     I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2
 ///
-/// Accepts any finite u and v, in O(v) steps. For |u| up to 5000, the error is below 1e-12, and below 1e-9 of
-/// the response's own peak.
+/// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12, and below 1e-9 of the response's own peak.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
 /// Returns the intensity of `lommel_intensity` by Gauss-Legendre quadrature, in O(u + v) steps. Used for

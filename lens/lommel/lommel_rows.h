@@ -7,11 +7,9 @@
 
 namespace postlens {
 
-/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. `grid` needs as
-/// many entries as `intensity`.
-///
-/// Terms below 1e-11 of the mean intensity are omitted. Results are bit-identical on all machines with the
-/// same sine and Bessel functions.
+/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. Terms below 1e-11
+/// of the mean are omitted. Results are bit-identical on all machines with the same sine and Bessel
+/// functions.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);
 
 }  // namespace postlens

@@ -16,15 +16,14 @@ constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
 /// distance `x` from the centre.
-///
-/// The flow is the integral of L x / (2 pi r^2) over y, where L is the energy within radius r. With y = x
-/// sinh t, it becomes the integral of L / (2 pi cosh t) over t.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     // Below this |x|, the flow is negligible. It is proportional to x, because L is proportional to r^2 near
     // the centre.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
+    // The flow is the integral of L x / (2 pi r^2) over y, where L is the energy within radius r. With y = x
+    // sinh t, it becomes the integral of L / (2 pi cosh t) over t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // Each panel spans at most 6 units of the optical radius v, so its 16 nodes resolve the fringes. Beyond
     // 64 panels the fringes need not be resolved.

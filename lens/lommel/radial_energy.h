@@ -9,9 +9,7 @@
 namespace postlens {
 
 /// The impulse response of a circular aperture at defocus u, over the optical radius v in [0, v_end]. Its
-/// steps resolve every fringe.
-///
-/// A ring of width dv contains the energy I(u, v) v dv / 2. I(0, 0) is 1, and the total energy is 1.
+/// steps resolve every fringe. A ring of width dv contains the energy I(u, v) v dv / 2, in total 1.
 class RadialEnergy {
   public:
     /// Returns the step of v in a table for defocus u: 1/8 or 1/2.
@@ -34,7 +32,7 @@ class RadialEnergy {
     /// Returns the integral of `within` from 0 to v. Differences of it give means, which average out narrow
     /// fringes.
     [[nodiscard]] double within_integral(double v) const;
-    /// I(u, v) at v = i step().
+    /// I(u, v) at v = i step(); I(0, 0) is 1.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 

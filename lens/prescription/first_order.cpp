@@ -37,7 +37,8 @@ double checked_index(const Prescription& lens, std::size_t i, double wavelength_
     return n;
 }
 
-// Returns the transfer matrix of the surfaces `begin` to `end - 1`, including the refraction at both.
+// Returns the transfer matrix of the surfaces `begin` to `end - 1`, including the refraction at the first and
+// the last.
 Matrix between(const Prescription& lens, double wavelength_nm, std::size_t begin, std::size_t end) {
     Matrix m;
     double n = begin == 0 ? 1 : checked_index(lens, begin - 1, wavelength_nm);

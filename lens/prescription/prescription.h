@@ -71,8 +71,8 @@ struct Prescription {
 /// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that overlap by more than 1 % of their clear radii, as in some patents. Both
-/// clear radii shrink to where the surfaces meet, and a note is added.
+/// Repairs neighbouring surfaces that overlap by more than 1 % of their clear radii: both clear radii shrink
+/// to where the surfaces meet. A note is added.
 ///
 /// Surfaces that meet closer to the axis than 1 % stay unchanged, and check_prescription rejects them.
 void clip_crossings(Prescription& lens);

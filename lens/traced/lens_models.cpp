@@ -180,6 +180,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
+    // If only the model or only the traced lens passes a ray, its error is its distance on the film from the
+    // nearest ray that both pass.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -91,9 +91,6 @@ class LensModels {
 
     /// Returns the RMS error of landing points, in mm, over a uniform grid of the pupil. Landing points are
     /// relative to the chief ray.
-    ///
-    /// If only the model or only the traced lens passes a ray, its error is the distance to the nearest ray
-    /// that both pass.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;

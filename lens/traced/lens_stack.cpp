@@ -55,11 +55,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]:
-    //
-    //     a t^2 - 2 b t + f = 0
-    //
-    // Of f / (b + root) = (b - root) / a, the form without cancellation is computed.
+    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. t solves
+    // a t^2 - 2 b t + f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -67,6 +64,7 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
+        // Of f / (b + root) = (b - root) / a, computes the form without cancellation.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;

@@ -59,7 +59,7 @@ class LensStack {
     /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last surface, or in front of
     /// the surface where it ends.
     ///
-    /// `hits` is empty or receives size() intersections. The ray's origin may be anywhere on its line.
+    /// `hits` is empty, or has size() elements that receive the intersections.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
     /// Traces a ray from the film to the scene, like `forward`. direction.z must be negative.

@@ -14,8 +14,6 @@ namespace postlens {
 
 /// Rays of an object point on the +y axis, as a mesh of rings and spokes. It covers the lit part of the
 /// pupil, from its centre to its edge.
-///
-/// Nodes with x < 0 are mirror images and are not stored.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
@@ -28,6 +26,7 @@ struct PupilFan {
         glm::dvec2 landing{0};  ///< tangent of the landing pixel minus that of the object point
         double light = 0;       ///< light per area of the plane of the pinhole
     };
+    /// Nodes with x < 0 are mirror images and are not stored.
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
 
     [[nodiscard]] Node& at(std::size_t ring, std::size_t spoke) { return nodes[ring * (spokes + 1) + spoke]; }

@@ -45,7 +45,7 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
 }
 
 // Computes the handles of the equivalent Bezier curve: the velocity at a knot times a third of the time to
-// the next.
+// the neighbouring knot.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {

@@ -28,7 +28,7 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 /// within 0.25 px.
 ///
 /// They also do if the vectors agree within 2 px or a tenth of the longer, and the ids are equal. Without
-/// ids, depths must agree within 2 %.
+/// ids, known depths must agree within 2 %.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens
