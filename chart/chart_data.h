@@ -26,7 +26,7 @@ struct ChartError {
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// Errors against the first reference. Only `relmse` is without the reference's noise.
+    /// Errors against the first reference. The noise of the reference is subtracted only from `relmse`.
     double relmse = 0, ssim = 0, flip = 0;
 };
 

@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden surfaces, and one with pixels subdivided once.
-// Comparing them shows what these contribute.
+// Plans three traces: the best one, one without hidden surfaces, and one with pixels subdivided once. They
+// show what hidden surfaces and subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;

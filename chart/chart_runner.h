@@ -16,18 +16,14 @@ struct ChartRun {
 };
 
 /// Measures a chart into `folder`, which is created if its parent exists. After every point, chart.json is
-/// written. Further files are reference.*.exr, pinhole.exr, and pictures/NAME.png and maps/NAME.png for every
-/// point.
+/// written, with reference.*.exr, pinhole.exr, pictures/NAME.png and maps/NAME.png beside it. Earlier results
+/// of the same request are kept. Another request's chart is an error unless `restart` is set.
 ///
-/// Results of an earlier run of the same request are kept. If the folder contains the chart of another
-/// request, an error is thrown unless `restart` is set.
+/// Times end with the image in memory. They start when a method opens the sample file, and for rays with the
+/// scene in memory. A trace's time ends with the written file.
 ///
-/// The time of a method starts when it opens the sample file, and the time of rays starts with the scene in
-/// memory. Both end with the image in memory. The time of a trace runs from the scene in memory to the
-/// written file.
-///
-/// Throws Error(interrupted), after which the finished points remain on disk. Also throws
-/// Error(wrong_arguments), Error(invalid_input), Error(cannot_write) and Error(out_of_memory).
+/// Throws Error(interrupted); finished points remain. Also throws Error(wrong_arguments),
+/// Error(invalid_input), Error(cannot_write) and Error(out_of_memory).
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 

@@ -87,8 +87,8 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // Stops after a step that lowers the error by a smaller fraction. At 1e-4, a further step would change
-    // the parameters by far less than 0.1 %.
+    // Stops after a step that lowers the error by less than the fraction `tolerance`. At 1e-4, a further step
+    // would change the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
     // Stops if a full step does not lower the error. Smaller steps would not help, because the computed image
     // changes in discrete steps.
@@ -195,7 +195,7 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if two lenses belong to the same minimum. The coarse search can split one.
+/// Returns true if two lenses belong to the same minimum. The coarse search can split a minimum.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;

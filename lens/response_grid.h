@@ -6,12 +6,11 @@
 
 namespace postlens {
 
-/// An impulse response: the energy of a point light source in each pixel of a rectangle. Values are not
-/// negative. They add up to 1, except where the function that makes the grid says that light is lost.
+/// An impulse response: the energy of a point light source in each pixel of a rectangle. Values add up to 1,
+/// unless light is lost.
 ///
-/// Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), in px, with x to the
-/// right and y down. The origin of these coordinates, the anchor, is an integer raster position. The
-/// geometric image of the source may lie between such positions.
+/// Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), in px from the
+/// anchor, an integer raster position. y points down.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

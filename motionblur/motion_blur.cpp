@@ -48,8 +48,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // lightfield and auto blend static pixels of all recorded instants, because shadows and lights may
-        // move.
+        // lightfield and auto blend the static pixels of all recorded instants, because shadows and lights
+        // may move.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;

@@ -14,12 +14,10 @@
 namespace postlens {
 
 /// Method by which moving objects are blurred.
-/// - convolve: convolves the image of the objects that share a path with the image of that path.
+/// - convolve: convolves the objects' image with the image of their common path.
 /// - lightfield: averages views of the surfaces at many instants.
-/// - automatic: uses convolve for two kinds of objects that move parallel to the film, and lightfield for all
-///   others. In the first kind, all points move alike (within 0.25 px). In the second kind, nearer points
-///   move farther (parallax). An object of the second kind must be a single surface, and no other surface may
-///   lie in its range of depth.
+/// - automatic: convolve for objects that move parallel to the film, and lightfield for all others. An object
+///   with parallax must also be a single surface, alone in its range of depth.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {

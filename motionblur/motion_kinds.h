@@ -22,8 +22,8 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges objects' bounding boxes by the directly seen records of a band. `only` (sorted) selects the
-/// objects, or all if it is empty. Returns whether the band has any.
+/// Enlarges objects' bounding boxes to include the directly seen records of a band. `only` (sorted) selects
+/// the objects, or all if it is empty. Returns whether the band has any.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {

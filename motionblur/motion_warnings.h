@@ -11,14 +11,11 @@
 
 namespace postlens {
 
-/// Effects that cannot be shown by moving the recorded surfaces of one instant. The warnings are:
-/// - "reflection": pixels whose mirror or glass shows an object that moves differently from the mirror or
-///   glass.
-/// - "shadow": pixels whose light may be blocked by a moving object at some time of the exposure. The
-///   bounding spheres of the objects are tested at the frame's instant and at 18 instants of the exposure,
-///   in every fourth pixel along each axis.
-/// - "light": pixels whose shading should change during the exposure. This is so if lights move. It is also
-///   so if an object turns, or passes a light, so that its direction to a light changes by more than 15
+/// Effects that cannot be shown by moving the recorded surfaces of one instant:
+/// - "reflection": a mirror or glass shows an object that moves differently from it.
+/// - "shadow": a moving object may block the light. Bounding spheres are tested at 19 instants, in every
+///   fourth pixel along each axis.
+/// - "light": shading changes, because lights move, or an object's direction to a light changes by over 15
 ///   degrees.
 ///
 /// Check `possible` first. If it is true, add all rows of the frame, and then get the warnings.

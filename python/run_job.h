@@ -7,15 +7,12 @@
 
 namespace postlens::python {
 
-/// Runs `work` as a job with `threads` threads, or one per core if `threads` is 0. Returns when the job has
-/// ended. `work` runs without the interpreter's lock.
+/// Runs `work` as a job with `threads` threads (0: one per core), without the interpreter's lock. Meanwhile,
+/// the calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
+/// After success, the last call is progress(1, 0).
 ///
-/// Meanwhile, the calling thread handles signals and calls progress(fraction, seconds_left), unless
-/// `progress` is None. After `work` has succeeded, the last call is progress(1, 0).
-///
-/// Exceptions of `work` are thrown again here, with errors of postlens converted to postlens.Error. If
-/// `progress` or a signal handler raises an exception (such as KeyboardInterrupt), the work is cancelled, and
-/// the exception is thrown again when the work has stopped.
+/// Exceptions of `work` are thrown again here, and errors of postlens as postlens.Error. If `progress` or a
+/// signal handler raises an exception, the work is cancelled first.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
 /// Converts text to a Python str. Bytes that are not UTF-8, as in file names, become surrogates.

@@ -31,19 +31,18 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Length of a row of the contact sheet: the number of values that vary fastest.
+    /// Length of a row of the contact sheet: the number of values of the setting that varies fastest.
     std::size_t row = 1;
 };
 
-/// Returns all combinations of the settings. From the slowest to the fastest, the settings vary in this
-/// order: impulse response, shutter, focal length, f-number, focus distance.
+/// Returns all combinations of the settings. From the slowest to the fastest, these are impulse response,
+/// shutter, focal length, f-number and focus distance.
 ///
-/// A file name always contains the f-number after "f" and the focus distance after "s". The focal length
-/// (after "F"), the shutter (after "t") and the impulse response are included only if they vary. Numbers have
-/// 4 digits, or more if the values of a list need more to be distinct.
+/// File names contain the f-number ("f") and the focus distance ("s"). They contain other settings only if
+/// these vary.
 ///
-/// Throws Error(wrong_arguments) if there are more than `most_pictures` images or if a list is missing. Also
-/// throws the errors of reading a prescription.
+/// Throws Error(wrong_arguments) for more than `most_pictures` images or a missing list, and the errors of
+/// reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
 /// Replaces the one placeholder in a pattern such as "NAME.%04d" by `i`. Returns nothing for any other

@@ -254,7 +254,7 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // A pinhole gives -0 in front of the focus. Adding 0 makes it 0.
+        // The CoC diameter of a pinhole is -0 in front of the focus. Adding 0 makes it 0.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =

@@ -27,7 +27,7 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction of the method's error, 0 to 1, with the expected cause (find_error_causes). Absent for
+    /// Fraction of the method's error, 0 to 1, that has the expected cause (find_error_causes). Absent for
     /// "none".
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed

@@ -31,7 +31,7 @@ class Canvas {
     /// Writes ASCII text in white. Its baseline begins at (x, y). Capitals are 9 px high at `scale` 1.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
-    /// Returns the canvas as scene-linear values, for `write_image`. Its bytes are kept exactly.
+    /// Returns the canvas as scene-linear values, which `write_image` encodes to exactly its bytes.
     [[nodiscard]] Image image() const;
     [[nodiscard]] EncodedPicture encoded() const;
 

@@ -21,15 +21,12 @@ struct RoughMatch {
 };
 
 /// Tests a grid of about 4,000 lenses and returns the local minima of the error, smallest error first. There
-/// is always at least one minimum.
+/// is at least one.
 ///
-/// The blur model blurs each pixel of the pinhole image with a uniform disc, as if all neighbouring pixels
-/// had the depth of this pixel. The disc has the diameter of the pixel's circle of confusion (CoC). The
-/// residuals of about 60 diameters are computed once, so that testing a lens takes one look-up per pixel.
-///
-/// The apertures of the grid are those whose largest CoC is between 0.7 px and a quarter of the image width.
-/// The inverse focus distances cover the range of recorded inverse depths, extended by half of that range at
-/// either end. Images wider than 256 px are downscaled first.
+/// The blur model blurs each pixel of the pinhole image with a uniform disc, as if its neighbours had the
+/// same depth. The grid covers largest blur diameters from 0.7 px to a quarter of the image width. Its
+/// inverse focus distances extend the recorded range by half at either end. Images wider than 256 px are
+/// downscaled first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Number of depths for the blur of a lens. With many, the image changes smoothly with the lens.
+/// Number of depths at which the blur is computed. With many, the image changes smoothly with the lens.
 constexpr int levels = 256;
 /// Half the step of the central differences in log aperture: 3 % of the aperture.
 constexpr double aperture_step = 0.03;
@@ -55,8 +55,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The aperture of an earlier lens may return with a rounding error, because the solver uses its
-    // logarithm.
+    // A lens that the solver tries again may differ by a rounding error, because the solver uses the
+    // aperture's logarithm.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&

@@ -24,12 +24,12 @@ struct FlipExposures {
     int count = 1;
 };
 
-/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3]. At `start`, the tone curve maps
-/// the greatest luminance of the reference to 0.85. At `stop`, it maps the median luminance to 0.85. There is
-/// about one exposure per stop, and at least two. If the median is 0, the median of the pixels above 0 is
-/// used instead. `stop` is at most 30 stops above `start`. A black reference gets a single exposure of 0
-/// stops. If `white_luminance` (above 0) is given, it replaces the greatest luminance, and middle grey (0.18)
-/// replaces the median.
+/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3]: about one per stop, at least
+/// two, over at most 30 stops. The tone curve maps the greatest luminance to 0.85 at `start`, and the median
+/// at `stop`.
+///
+/// With `white_luminance`, this luminance and 0.18 replace the two. Zeros are ignored if the median is 0. A
+/// black reference gets one exposure of 0 stops.
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

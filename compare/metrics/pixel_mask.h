@@ -13,9 +13,9 @@ namespace postlens {
 /// One entry per pixel, row by row: 1 if it counts, 0 if not.
 using PixelMask = std::vector<std::uint8_t>;
 
-/// Returns 1 where all three channels are finite.
+/// Returns a mask of the pixels whose three channels are finite.
 [[nodiscard]] PixelMask finite_pixels(const Image& image);
-/// Returns 1 where both masks, which have the same size, are 1.
+/// Returns a mask of the pixels that both masks select. The masks must have the same size.
 [[nodiscard]] PixelMask both(const PixelMask& a, const PixelMask& b);
 [[nodiscard]] std::size_t count(const PixelMask& mask);
 
@@ -23,8 +23,8 @@ using PixelMask = std::vector<std::uint8_t>;
 /// 0.
 [[nodiscard]] Image encoded_srgb(const Image& image);
 
-/// Returns 1 for `counted` pixels in which a channel of the two encoded images differs by more than 1/255.
-/// The images have the same size.
+/// Returns a mask of the `counted` pixels in which a channel of the two encoded images differs by more than
+/// 1/255. The images must have the same size.
 [[nodiscard]] PixelMask affected_pixels(const Image& pinhole_encoded, const Image& reference_encoded,
                                         const PixelMask& counted);
 

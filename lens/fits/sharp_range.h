@@ -27,13 +27,13 @@ struct SharpRange {
     std::vector<SharpLens> lenses;
 };
 
-/// Finds the focus distance s and the f-number n for which `depth_of_field` returns exactly the given near
-/// and far limit. s = 2 / (1/near + 1/far) for every lens. n = F^2 (1/near - 1/far) / (2 c (1 - F/s)), where
-/// F is the focal length and c the CoC limit (the largest circle of confusion that is sharp). n is never less
-/// than 0.7.
+/// Finds the focus distance s and the f-number n whose depth of field is exactly the given range. F is the
+/// focal length and c the largest accepted circle of confusion:
 ///
-/// A lens has no solution if F is as large as the near limit, or if the Airy disc at that n is wider than c.
-/// Throws Error(wrong_arguments) for numbers out of range.
+///     s = 2 / (1/near + 1/far),  n = F^2 (1/near - 1/far) / (2 c (1 - F/s)), at least 0.7
+///
+/// There is no solution if F reaches the near limit, or if the Airy disc is wider than c. Throws
+/// Error(wrong_arguments) for numbers out of range.
 [[nodiscard]] SharpRange sharp_range(const SharpRangeRequest& request);
 
 }  // namespace postlens

@@ -1,9 +1,9 @@
-// Computes the light near the focus of a circular aperture in closed form, by Lommel's functions. This is the
-// slow reference version, which computes one point at a time to full precision. radial_energy.h makes tables.
+// The light near the focus of a circular aperture, in closed form by Lommel's functions. This is the slow
+// reference of radial_energy.h.
 //
-// The defocus is u = (2 pi / lambda) (D/2)^2 (1/s - 1/z) for wavelength lambda, aperture diameter D, focus
-// distance s and depth z. The radius is v = pi r D / (lambda V), where r is the distance from the geometric
-// image on a film at distance V. The geometric disc ends at v = |u|.
+// The optical coordinates are, for wavelength lambda, aperture diameter D and film distance V:
+// - defocus u = (2 pi / lambda) (D/2)^2 (1/s - 1/z), for focus distance s and depth z
+// - radius v = pi r D / (lambda V), for r on the film; the geometric disc ends at v = |u|
 #pragma once
 
 namespace postlens {

@@ -12,15 +12,11 @@ struct PixelEnergySettings {
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
 };
 
-/// Fills `grid`, whose window the caller chooses, with the energy of the response. The response is centred at
-/// (centre_x, centre_y) px from the grid's anchor (the origin of its coordinates).
+/// Fills `grid` with the energy of a response centred at (centre_x, centre_y) px from the grid's anchor. The
+/// profile must extend to `reach_px(grid, ..)`.
 ///
-/// The energy in a pixel is the energy that flows out through its borders. The flow is radial. At radius r it
-/// is L(r) / (2 pi r), where L is the encircled energy, and its divergence is the energy density.
-/// Neighbouring pixels share the flow through their common border. The sum over any window is therefore
-/// exactly the energy inside the window.
-///
-/// The profile must extend to `reach_px(grid, ..)`. Values that rounding makes negative are set to 0.
+/// The energy in a pixel is what flows out through its borders. At radius r, L(r) / (2 pi r) flows per px,
+/// where L is the encircled energy. Neighbours share a border, so sums over pixels are exact.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 

@@ -237,7 +237,8 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The film distance is the last thickness plus the defocus, which CODE V stores as the image's thickness.
+    // The film distance is the last thickness plus the defocus, which CODE V stores as the image surface's
+    // thickness.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.

@@ -29,15 +29,12 @@ struct ModelRay {
     bool passes = false;
 };
 
-/// Number of terms of the polynomial for each coordinate of the landing point. The terms depend on the pupil
-/// point (u, v) and on the field T. The unit of u and v is the radius of the paraxial pupil, and v is in the
-/// direction of the field. T is the field tangent (the tangent of the angle between object point and axis),
-/// divided by its largest value.
+/// Number of terms of the polynomials for x and y of the landing point. Each occurs alone and multiplied by
+/// the defocus K, which is 1/z' - 1/s relative to its largest value.
 ///
-/// Each term occurs twice: alone, and multiplied by the defocus K. K is 1/z' - 1/s for depth z' and focus
-/// distance s, divided by its largest value. Lenses are mirror-symmetric about the plane u = 0. The
-/// polynomial for x therefore has only terms that are odd in u, and the polynomial for y only terms that are
-/// even in u.
+/// The terms depend on the pupil point (u, v), in pupil radii with v along the field, and on the field
+/// tangent T, relative to its largest value. By mirror symmetry, terms of x are odd in u, and terms of y
+/// even.
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 

@@ -26,13 +26,11 @@ struct ViewRay {
     double weight = 0;      ///< see TracedLens::scene_ray
 };
 
-/// A view through a lens whose distortion is corrected. A point in the plane of focus appears at the same
-/// pixel as in the pinhole image: its chief ray (the ray through the centre of the stop) lands there.
-/// Vignetting, the fall-off of light and all blur remain.
+/// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
+/// shows them. Vignetting and blur remain.
 ///
-/// Framing::keep scales the film so that the field of view equals that of the traced pinhole image. The other
-/// framings keep the pixel size of the film. With `lens`, the film is one focal length behind the lens. With
-/// `breathing`, the film is where the focus distance requires it.
+/// Framing::keep scales the film to the field of view of the pinhole image. `lens` and `breathing` keep its
+/// pixel size, with the film one focal length behind the lens, or in focus.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of

@@ -55,15 +55,14 @@ struct PupilMesh {
     double passing_area_mm2 = 0;  ///< weighted area of the pupil plane where rays pass
 };
 
-/// A lens for ray tracing. All rays and points use one frame, in mm. Its origin is the pinhole: the centre of
-/// the paraxial entrance pupil when the lens is focused at infinity. Seen from behind the camera, x points to
-/// the right and y up. z points from the scene to the film, so the camera looks along -z. The image is upside
-/// down: film point (x, y) sees the direction (-x, -y). Depths z' and focus distances are in metres, measured
-/// from the pinhole along the axis, as in sample files.
+/// A lens for ray tracing. All rays and points are in mm in the frame of the pinhole, which is the centre of
+/// the paraxial entrance pupil at infinity focus. Seen from behind the camera, x points right, y up, and z
+/// from the scene to the film. The film image is upside down: film point (x, y) sees (-x, -y).
 ///
-/// Throws Error(wrong_arguments) if a setting is out of range, or if the focus is so near that no real image
-/// forms behind the lens. Throws Error(invalid_input) if the lens is diverging or telecentric, or if no ray
-/// through the lens reaches the film.
+/// Depths z' and focus distances are in m, measured from the pinhole along the axis.
+///
+/// Throws Error(wrong_arguments) if a setting is out of range, or if the focus is too near for a real image.
+/// Throws Error(invalid_input) if the lens is diverging or telecentric, or if no ray reaches the film.
 class TracedLens {
   public:
     explicit TracedLens(const Prescription& lens, const TracedLensSettings& settings = {});
@@ -82,17 +81,15 @@ class TracedLens {
     /// How far focusing has moved the lens towards the scene. It is 0 with FocusMove::film.
     [[nodiscard]] double extension_mm() const { return extension_mm_; }
 
-    /// Computes the ray that reaches the film at `film_mm` through a point of the pupil. (u, v) in [0, 1)^2
-    /// select a point of a rectangle, which lies in the plane that touches the last surface. All rays that
-    /// reach the film point pass through the rectangle. Returns false if the ray is blocked, or if the film
-    /// point is farther than `film_radius_mm` from the film centre. Traces one ray and does not allocate
-    /// memory.
+    /// Computes the ray that reaches the film at `film_mm`. (u, v) in [0, 1)^2 select its point in a
+    /// rectangle that touches the last surface, through which all such rays pass. Returns false if the ray is
+    /// blocked, or if the film point is beyond `film_radius_mm`. Does not allocate memory.
     ///
-    /// To compute the irradiance of the film point, average weight times radiance over (u, v), with 0 for
-    /// blocked rays. The result is relative to E0, the irradiance of the film centre under a uniform scene of
-    /// radiance 1. weight = n'^2 A cos^4(theta) / Z^2 / E0 [kolb1995, eq. 4]. A is the area of the rectangle,
-    /// and Z is the distance of its plane from the film. theta is the angle between ray and axis. n' is the
-    /// refractive index in front of the film. The irradiance includes vignetting and the fall-off of light.
+    /// The irradiance of the film point is the mean of weight times radiance over (u, v), relative to the
+    /// film centre under a uniform scene (E0). Blocked rays count as 0. For a rectangle of area A at distance
+    /// Z from the film, a ray at angle theta, and the refractive index n' there [kolb1995, eq. 4]:
+    ///
+    ///     weight = n'^2 A cos^4(theta) / Z^2 / E0
     [[nodiscard]] bool scene_ray(glm::dvec2 film_mm, glm::dvec2 uv, SceneRay& out) const noexcept;
     /// Returns E0, in sr: the irradiance at the film centre per radiance of a uniform scene. At f-number n,
     /// it is about pi / (4 n^2).

@@ -7,13 +7,10 @@
 
 namespace postlens {
 
-/// The diameters of the Airy disc and of the CoC (circle of confusion), for f-numbers in steps of a third of
-/// a stop. The struct also holds two f-numbers: the one at which the Airy disc is as wide as the CoC, and the
-/// one at which it is as wide as a pixel.
-///
-/// The diameter of the Airy disc, to its first zero, is 2 * 1.2197 lambda V / D and grows with the f-number.
-/// V is the film distance and D the aperture diameter. The diameter of the CoC is V D |1/s - 1/z| for focus
-/// distance s and depth z. It decreases with the f-number.
+/// Diameters of the Airy disc and the circle of confusion (CoC) at f-numbers in thirds of a stop. V is the
+/// film distance and D the aperture diameter:
+/// - Airy disc, to its first zero: 2 * 1.2197 lambda V / D
+/// - CoC, for focus distance s and depth z: V D |1/s - 1/z|
 struct Crossover {
     struct Stop {
         double f_number = 0, airy_mm = 0, coc_mm = 0;

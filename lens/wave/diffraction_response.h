@@ -35,14 +35,11 @@ struct ChannelResponses {
     double radius_px = 0;
 };
 
-/// Computes one response for each CoC diameter, in the given order. The diameters are signed and in px, as
-/// FocusGeometry::coc_diameter_px returns them. The sign has no effect: without aberrations, the responses in
-/// front of and behind the focus are equal. Depths run in parallel, and results are bit-identical for any
-/// number of threads.
+/// Computes one response for each CoC diameter (signed, in px). The sign has no effect without aberrations.
+/// Results are bit-identical for any number of threads.
 ///
-/// Throws Error(wrong_arguments) if the aperture has width 0, because its diffraction has no limit. Throws
-/// the same error if a CoC is not finite or is too large for `largest_u`, or if a setting is out of range.
-/// Throws Error(out_of_memory), with the required memory, if the tables do not fit into memory.
+/// Throws Error(wrong_arguments) for an aperture of width 0, a CoC that is not finite or too large for
+/// `largest_u`, or a setting out of range. Throws Error(out_of_memory), with the required memory.
 [[nodiscard]] std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometry,
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);

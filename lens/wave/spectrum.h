@@ -16,14 +16,12 @@ struct SpectralLine {
 /// Spectral lines whose weights add up to 1 in every channel.
 using Spectrum = std::vector<SpectralLine>;
 
-/// Returns a band of wavelengths for each channel, under white light. The bands consist of seven spectral
-/// lines from 440 to 632 nm, 32 nm apart. The weight of a line is cos^2(pi (lambda - c) / (2 w)) for |lambda
-/// - c| < w, scaled so that the weights of a channel add up to 1. The half width w is 64 nm. The centres c of
-/// R, G and B are 611, 549 and 464 nm. They are the dominant wavelengths of the Rec.709 primaries against D65
-/// [itu-bt709].
+/// Returns a band of wavelengths for each channel, under white light: spectral lines from 440 to 632 nm, 32
+/// nm apart. The weight at wavelength lambda is
 ///
-/// Colour matching functions are not used, because some weights would be negative. Each band has three or
-/// four lines, because a single line would cause fringes that no camera shows.
+///     cos^2(pi (lambda - c) / (2 w))  for |lambda - c| < w = 64 nm
+///
+/// The centres c of R, G and B are the dominant wavelengths of Rec.709: 611, 549 and 464 nm [itu-bt709].
 [[nodiscard]] Spectrum channel_bands();
 
 /// Returns a spectrum in which all wavelengths have equal weight in every channel.

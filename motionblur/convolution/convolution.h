@@ -20,18 +20,15 @@ struct Planes {
 /// - automatic: the method with the shorter predicted time.
 enum class ConvolutionMethod { automatic, direct, fft };
 
-/// Convolves i1, the raster of an object, with i2, the raster of its path. The result is the sum of copies of
-/// i1. Each cell c of i2 adds a copy that is shifted by c and multiplied by weight(c). The window of the
-/// result is the sum of both windows. With `wanted`, only the part within `wanted` is computed. Values must
-/// be finite.
+/// Convolves i1, the raster of an object, with i2, the raster of its path: each cell c of i2 adds a copy of
+/// i1, shifted by c and times weight(c). Values must be finite. With `wanted`, only the part within this
+/// window is computed. `used` receives the method.
 ///
-/// The results of the two methods agree within 1e-5 of the largest |value| of a plane. The error of direct is
-/// at most 34 * 2^-24 of the sum of the terms. The error of fft is about 2^-22 of the plane's largest value,
-/// even where the result is small. Both methods return 0 in cells that no nonzero cell of i1 reaches. If a
-/// plane has no negative values, its result has none either.
+/// The two methods agree within 1e-5 of a plane's largest |value|. The error of direct is at most 34 * 2^-24
+/// of the sum of the terms, and that of fft about 2^-22 of the plane's largest value. Cells that no nonzero
+/// cell of i1 reaches are exactly 0. Planes without negative values keep none.
 ///
-/// The result is bit-identical for any number of threads. `used` receives the method. Throws
-/// Error(out_of_memory).
+/// The result is bit-identical for any number of threads. Throws Error(out_of_memory).
 [[nodiscard]] Planes convolve(const Planes& i1, const PathRaster& i2,
                               ConvolutionMethod method = ConvolutionMethod::automatic,
                               ConvolutionMethod* used = nullptr,

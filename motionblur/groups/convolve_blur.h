@@ -27,14 +27,12 @@ struct ConvolveBlur {
     std::vector<Crossing> crossings;    ///< one per group
 };
 
-/// Blurs groups of objects. The objects of a group share a path. `still` is the pinhole image of the records.
-/// `groups` are sorted from near to far. `across_per_px` is the size of a pixel on the film
-/// (sample_surfaces.h). The rasters of a group and of its path have cells of the same size (cells_for).
-/// Quadtree leaves are drawn into the group's raster without resampling.
+/// Blurs groups of objects that share a path. `still` is the pinhole image of the records, `groups` are
+/// sorted from near to far, and `across_per_px` is the size of a pixel on the film (sample_surfaces.h).
 ///
-/// A pixel is composited front to back: first the static surfaces in front of the nearest group, then that
-/// group, then the static surfaces behind it, and so on. At each depth, only the samples that have a record
-/// there or farther away count. The weight of a static surface is its coverage among these samples.
+/// A pixel is composited front to back: the static surfaces in front of the nearest group, that group, the
+/// static surfaces behind it, and so on. At each depth, only the samples that have a record there or farther
+/// away count.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

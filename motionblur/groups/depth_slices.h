@@ -29,14 +29,13 @@ struct PathAxis {
 /// by over 1 px. Empty if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// How the projected area of a piece of a surface changes while the piece moves along its path. At time t,
-/// the recorded area is multiplied by a factor: 1 plus, for each axis, rate * (path(t) . axis). The rate is G
-/// . axis / path_inverse_z, in 1/px. G is the gradient of the inverse depth 1/z' over the piece, per px. The
-/// factor is exact for a translation parallel to the film.
+/// How the projected area of a piece of surface changes along its path. At time t, it is the recorded area
+/// times 1 + the sum over the axes of rate * (path(t) . axis). The rate is G . axis / path_inverse_z, in
+/// 1/px, where G is the gradient of the inverse depth per px. This is exact for translations parallel to the
+/// film.
 ///
-/// If this factor becomes negative, the piece shows its back and is no longer drawn. `area` and the rates
-/// then describe another linear function, which approximates the positive part. It has the same integral and
-/// falls to 0 at the end of the path.
+/// A negative factor means that the piece shows its back and vanishes. `area` and the rates then approximate
+/// the positive part, with the same integral.
 struct Stretch {
     double area = 1;
     glm::dvec2 rate_per_px{0};

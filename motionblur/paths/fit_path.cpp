@@ -213,7 +213,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimates the smallest possible number of segments, from separate cubics with twice the tolerance.
+    // Estimates the smallest possible number of segments: that of cubics that need not join, with twice the
+    // tolerance.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

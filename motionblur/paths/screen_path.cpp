@@ -180,7 +180,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // Halves all pieces before any is halved again, so that the limit on points affects all equally.
+    // Halves all pieces before any is halved again, so that the limit on points affects all pieces equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

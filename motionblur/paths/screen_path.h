@@ -20,12 +20,10 @@ inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
 /// - polyline: constant velocity.
-/// - catmull_rom: a cubic in time. Its velocity at a knot is that of the parabola through the knot and its
-///   two neighbours. At the first and last knot, it is that of the straight line to the only neighbour. The
-///   times of knots may be unevenly spaced.
-/// - bezier: a cubic Bezier curve. Its control points are at_px and at_px + out_px of the first knot, and
-///   at_px + in_px and at_px of the next knot. The curve's parameter is linear in time. Handles of a third of
-///   the distance result in constant velocity. Longer handles result in higher velocities at the knots.
+/// - catmull_rom: a cubic in time, for any spacing of the knots. The velocity at a knot is that of the
+///   parabola through it and its two neighbours, or of the line to its only neighbour.
+/// - bezier: a cubic Bezier curve in time with the control points at_px, at_px + out_px, next at_px + in_px,
+///   next at_px. Handles of a third of the distance give constant velocity.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {

@@ -14,14 +14,12 @@ struct VectorBlurSettings {
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
-/// Blurs an image by its motion vectors. The result is the mean of views, which are reprojections of the
-/// image to many instants. Every pixel moves along a straight line at its own constant velocity. Surfaces
-/// that this motion uncovers are not in the image. They are filled from the pixels around them, with the
-/// warning "uncovered".
+/// Blurs an image by its motion vectors, as the mean of reprojections to many instants. Every pixel moves at
+/// its own constant velocity. Uncovered surfaces are filled from the pixels around them, with the warning
+/// "uncovered".
 ///
-/// If nothing moves, or if the exposure is the instant 0, the result is bit-identical to the image. The
-/// result is bit-identical for any number of threads. Throws Error(wrong_arguments) for settings out of
-/// range, and Error(out_of_memory).
+/// The result is bit-identical for any number of threads, and to the image if nothing moves. Throws
+/// Error(wrong_arguments) for settings out of range, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings);
 
 }  // namespace postlens

@@ -29,17 +29,15 @@ struct VectorChannels {
     std::string assumed;  ///< assumption about the layer or unit of the vectors; empty if nothing is assumed
 };
 
-/// Finds the vectors that belong to the colours of the group `own` (match_group). If the layer does not
-/// determine them, the first of the following passes is used. docs/motion_vectors.md defines them.
+/// Finds the vectors that belong to the colours of the group `own`. If the layer does not determine them, the
+/// first of these passes is used (docs/motion_vectors.md):
 /// - forward, with .u and .v, where v points upwards.
-/// - Vector, with .Z and .W. They contain minus the displacement to the next frame, and W points upwards.
+/// - Vector, with .Z and .W: minus the displacement to the next frame, where W points upwards.
 /// - motion, or a name that ends with motionvector, motionvectors or velocity, with .x and .y, .X and .Y, .u
-///   and .v, .U and .V, or .R and .G, where `scale` is 1,1. If they are not named .x and .y, `assumed` says
-///   so.
+///   and .v, .U and .V, or .R and .G. Unless these are .x and .y, `assumed` says so.
 ///
-/// In a separate file, channels x and y, u and v, or R and G are also accepted, with any pass name. If
-/// nothing matches, the result is empty, and `other` is the group of the vectors that the file does contain.
-/// Throws Error(invalid_input) if requested channels are missing.
+/// A separate file may name the pass as it likes. If nothing matches, the result is empty, and `other` is the
+/// group of the file's vectors. Throws Error(invalid_input) if requested channels are missing.
 [[nodiscard]] std::optional<VectorChannels> find_vector_channels(const ForeignFile& file,
                                                                  const ChannelGroup& own,
                                                                  const VectorChoice& choice,

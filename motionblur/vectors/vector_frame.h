@@ -46,17 +46,15 @@ struct VectorFrame {
     [[nodiscard]] Image picture() const;
 };
 
-/// Reads an image with motion vectors. `choice` selects the part of the file from which the colours come
-/// (pictures/foreign/foreign_channels.h). Of a stereo file, the hero view is used. Vectors, alpha, depth and
-/// ids may come from any part. Ids come from the first rank of a Cryptomatte or from an id channel.
+/// Reads an image with motion vectors. `choice` selects the colours (pictures/foreign/foreign_channels.h).
+/// Vectors, alpha, depth and ids may come from any part of the file. Of a stereo file, the hero view is used.
 ///
-/// Depth increases with distance. A pixel is infinitely far background if its depth is 0 or at least 1e9, or
-/// if its alpha is 0. If there is no depth, pixels that move faster on the raster count as nearer.
+/// Depth increases with distance. A pixel is infinitely far if its depth is 0 or at least 1e9, or if its
+/// alpha is 0. Without depth, pixels that move faster count as nearer.
 ///
-/// Throws Error(invalid_input) for other kinds of files, for windows with sides above 65536 px, and for
-/// windows more than 65536 px apart. Throws the same error, with the pixel's position, for colours and
-/// vectors that are not finite, for vectors longer than 1e6 px, and for negative depths. Throws
-/// Error(out_of_memory) before memory is allocated.
+/// Throws Error(invalid_input) for other kinds of files, for windows larger or farther apart than 65536 px,
+/// and, with the pixel's position, for values that are not finite, vectors longer than 1e6 px and negative
+/// depths. Throws Error(out_of_memory) before memory is allocated.
 [[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& vectors,
                                             const ForeignChoice& choice = {});
 
