@@ -289,6 +289,8 @@ class Runner {
         Image image;
         std::vector<std::string> warnings;
         double retraced = 0;
+        // The time starts before the sample file is opened, or for rays with the scene in memory. It ends
+        // with the image in memory.
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
         // A sweep varies the lens, so only methods that depend on the lens are timed in one.

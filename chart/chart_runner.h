@@ -15,12 +15,8 @@ struct ChartRun {
     std::vector<std::string> missing;  ///< with Join::partial: names of points that are left out
 };
 
-/// Measures a chart into `folder`, which is created if its parent exists. After every point, chart.json is
-/// written, with reference.*.exr, pinhole.exr, pictures/NAME.png and maps/NAME.png beside it. Earlier results
-/// of the same request are kept. Another request's chart is an error unless `restart` is set.
-///
-/// Times end with the image in memory. They start when a method opens the sample file, and for rays with the
-/// scene in memory. A trace's time ends with the written file.
+/// Measures a chart into `folder`, which is created if its parent exists. Earlier results of the same request
+/// are kept. Another request's chart is an error unless `restart` is set.
 ///
 /// Throws Error(interrupted); finished points remain. Also throws Error(wrong_arguments),
 /// Error(invalid_input), Error(cannot_write) and Error(out_of_memory).

@@ -13,12 +13,8 @@ namespace postlens {
 
 /// Effects that cannot be shown by moving the recorded surfaces of one instant:
 /// - "reflection": a mirror or glass shows an object that moves differently from it.
-/// - "shadow": a moving object may block the light. Bounding spheres are tested at 19 instants, in every
-///   fourth pixel along each axis.
-/// - "light": shading changes, because lights move, or an object's direction to a light changes by over 15
-///   degrees.
-///
-/// Check `possible` first. If it is true, add all rows of the frame, and then get the warnings.
+/// - "shadow": a moving object, tested by its bounding sphere, may block the light.
+/// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to it.
 class UnseenMotion {
   public:
     /// `moving` contains the sorted ids of objects that move. `header` must outlive this object.
@@ -29,6 +25,7 @@ class UnseenMotion {
     UnseenMotion(UnseenMotion&&) = delete;
     UnseenMotion& operator=(UnseenMotion&&) = delete;
 
+    /// If false, there are no such effects. If true, add all rows of the frame, and then get the warnings.
     [[nodiscard]] bool possible() const;
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);

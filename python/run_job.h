@@ -7,12 +7,11 @@
 
 namespace postlens::python {
 
-/// Runs `work` as a job with `threads` threads (0: one per core), without the interpreter's lock. Meanwhile,
-/// the calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
-/// After success, the last call is progress(1, 0).
+/// Runs `work` as a job with `threads` threads (0: one per core), without the interpreter's lock. Exceptions
+/// are thrown again here, those of postlens as postlens.Error.
 ///
-/// Exceptions of `work` are thrown again here, and errors of postlens as postlens.Error. If `progress` or a
-/// signal handler raises an exception, the work is cancelled first.
+/// The calling thread handles signals and calls progress(fraction, seconds_left), unless `progress` is None.
+/// If this raises an exception, the work is cancelled first. After success, the last call is progress(1, 0).
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
 /// Converts text to a Python str. Bytes that are not UTF-8, as in file names, become surrogates.

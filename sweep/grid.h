@@ -35,14 +35,11 @@ struct SweepGrid {
     std::size_t row = 1;
 };
 
-/// Returns all combinations of the settings. From the slowest to the fastest, these are impulse response,
-/// shutter, focal length, f-number and focus distance.
+/// Returns all combinations of the settings. From slow to fast, these are impulse response, shutter, focal
+/// length, f-number and focus distance. File names contain the last two, and others only if they vary.
 ///
-/// File names contain the f-number ("f") and the focus distance ("s"). They contain other settings only if
-/// these vary.
-///
-/// Throws Error(wrong_arguments) for more than `most_pictures` images or a missing list, and the errors of
-/// reading a prescription.
+/// Throws Error(wrong_arguments) for over `most_pictures` images or a missing list, and the errors of reading
+/// a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
 /// Replaces the one placeholder in a pattern such as "NAME.%04d" by `i`. Returns nothing for any other

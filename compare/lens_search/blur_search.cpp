@@ -148,6 +148,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
+    // The largest blur diameter is 0.7 px to a quarter of the width. 1/s covers the range of recorded inverse
+    // depths, extended by half at either end.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,

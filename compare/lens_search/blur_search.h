@@ -20,13 +20,11 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Tests a grid of about 4,000 lenses and returns the local minima of the error, smallest error first. There
-/// is at least one.
+/// Tests a grid of about 4,000 lenses and returns the local minima of the error, at least one, smallest
+/// first.
 ///
-/// The blur model blurs each pixel of the pinhole image with a uniform disc, as if its neighbours had the
-/// same depth. The grid covers largest blur diameters from 0.7 px to a quarter of the image width. Its
-/// inverse focus distances extend the recorded range by half at either end. Images wider than 256 px are
-/// downscaled first.
+/// The pinhole image is blurred with uniform discs, as if neighbouring pixels had the same depth. Images
+/// wider than 256 px are downscaled first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

@@ -24,12 +24,10 @@ struct FlipExposures {
     int count = 1;
 };
 
-/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3]: about one per stop, at least
-/// two, over at most 30 stops. The tone curve maps the greatest luminance to 0.85 at `start`, and the median
-/// at `stop`.
+/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3], about one per stop. The tone
+/// curve maps the greatest luminance to 0.85 at `start`, and the median at `stop`.
 ///
-/// With `white_luminance`, this luminance and 0.18 replace the two. Zeros are ignored if the median is 0. A
-/// black reference gets one exposure of 0 stops.
+/// With `white_luminance`, this luminance and 0.18 replace the two.
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

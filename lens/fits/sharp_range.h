@@ -27,13 +27,12 @@ struct SharpRange {
     std::vector<SharpLens> lenses;
 };
 
-/// Finds the focus distance s and the f-number n whose depth of field is exactly the given range. F is the
-/// focal length and c the largest accepted circle of confusion:
+/// Finds the focus distance s and the f-number n whose depth of field is exactly the given range, for focal
+/// length F and CoC limit c:
 ///
-///     s = 2 / (1/near + 1/far),  n = F^2 (1/near - 1/far) / (2 c (1 - F/s)), at least 0.7
+///     s = 2 / (1/near + 1/far),  n = F^2 (1/near - 1/far) / (2 c (1 - F/s))
 ///
-/// There is no solution if F reaches the near limit, or if the Airy disc is wider than c. Throws
-/// Error(wrong_arguments) for numbers out of range.
+/// n is at least 0.7. Throws Error(wrong_arguments) for numbers out of range.
 [[nodiscard]] SharpRange sharp_range(const SharpRangeRequest& request);
 
 }  // namespace postlens

@@ -1,9 +1,7 @@
-// The light near the focus of a circular aperture, in closed form by Lommel's functions. This is the slow
-// reference of radial_energy.h.
-//
-// The optical coordinates are, for wavelength lambda, aperture diameter D and film distance V:
+// Light near the focus of a circular aperture, by Lommel's functions (slow reference of radial_energy.h). The
+// optical coordinates are, for wavelength lambda, aperture diameter D and film distance V:
 // - defocus u = (2 pi / lambda) (D/2)^2 (1/s - 1/z), for focus distance s and depth z
-// - radius v = pi r D / (lambda V), for r on the film; the geometric disc ends at v = |u|
+// - radius v = pi r D / (lambda V); the geometric disc ends at v = |u|
 #pragma once
 
 namespace postlens {

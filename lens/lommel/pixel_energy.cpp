@@ -72,7 +72,8 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy flow (see fill_pixel_energy) through a pixel border that is parallel to the y axis.
+/// Computes the energy flow through a pixel border parallel to the y axis. At radius r, L(r) / (2 pi r) flows
+/// outwards per px, where L is the encircled energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)

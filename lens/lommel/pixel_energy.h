@@ -15,8 +15,8 @@ struct PixelEnergySettings {
 /// Fills `grid` with the energy of a response centred at (centre_x, centre_y) px from the grid's anchor. The
 /// profile must extend to `reach_px(grid, ..)`.
 ///
-/// The energy in a pixel is what flows out through its borders. At radius r, L(r) / (2 pi r) flows per px,
-/// where L is the encircled energy. Neighbours share a border, so sums over pixels are exact.
+/// A pixel's energy is what flows out through its borders. Neighbours share a border, so sums over pixels are
+/// exact.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 

@@ -23,7 +23,8 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // Defocus, field curvature, astigmatism, spherical aberration and coma, each in two orders.
+    // Defocus, field curvature, astigmatism, spherical aberration and coma, each in two orders. By mirror
+    // symmetry, terms of x are odd in u, and terms of y even.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};

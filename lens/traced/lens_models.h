@@ -29,13 +29,10 @@ struct ModelRay {
     bool passes = false;
 };
 
-/// Number of terms of the polynomials for x and y of the landing point. Each occurs alone and multiplied by
-/// the defocus K, which is 1/z' - 1/s relative to its largest value.
-///
-/// The terms depend on the pupil point (u, v), in pupil radii with v along the field, and on the field
-/// tangent T, relative to its largest value. By mirror symmetry, terms of x are odd in u, and terms of y
-/// even.
+/// Number of polynomial terms in the pupil point (u, v) and the field T. u and v are in pupil radii, with v
+/// along the field. T is the field tangent relative to the largest.
 inline constexpr std::size_t pupil_terms = 13;
+/// Each term occurs alone and multiplied by the defocus K = 1/z' - 1/s, relative to the largest.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
 /// One of three circles whose intersection is the pupil, in pupil radii. T is the field tangent and K the

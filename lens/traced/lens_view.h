@@ -29,8 +29,7 @@ struct ViewRay {
 /// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
 /// shows them. Vignetting and blur remain.
 ///
-/// Framing::keep scales the film to the field of view of the pinhole image. `lens` and `breathing` keep its
-/// pixel size, with the film one focal length behind the lens, or in focus.
+/// Framing::keep scales the film to the field of view of the pinhole image.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of

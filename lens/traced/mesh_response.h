@@ -6,12 +6,11 @@
 
 namespace postlens {
 
-/// Returns the energy per pixel of size `pitch_mm` > 0 from a mesh of `TracedLens::impulse`; the sum is 1.
-/// The chief ray lands at the centre of pixel (0, 0). The image is upright: film point (x, y) is at (-x, y) /
-/// pitch.
+/// Returns the energy per pixel of size `pitch_mm` > 0 from a mesh of `TracedLens::impulse`, or nothing if no
+/// ray passes. The sum is 1. The chief ray lands at the centre of pixel (0, 0), and film point (x, y) at (-x,
+/// y) / pitch.
 ///
-/// Returns an empty grid if no ray passes. Throws Error(wrong_arguments) if the response is wider than 4096
-/// px.
+/// Throws Error(wrong_arguments) above 4096 px.
 [[nodiscard]] ResponseGrid mesh_response(const PupilMesh& mesh, double pitch_mm);
 
 }  // namespace postlens

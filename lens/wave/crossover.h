@@ -7,10 +7,11 @@
 
 namespace postlens {
 
-/// Diameters of the Airy disc and the circle of confusion (CoC) at f-numbers in thirds of a stop. V is the
-/// film distance and D the aperture diameter:
+/// Diameters of the Airy disc and the circle of confusion (CoC) at f-numbers in thirds of a stop:
 /// - Airy disc, to its first zero: 2 * 1.2197 lambda V / D
-/// - CoC, for focus distance s and depth z: V D |1/s - 1/z|
+/// - CoC: V D |1/s - 1/z|
+///
+/// V is the film distance, D the aperture diameter, s the focus distance and z the depth.
 struct Crossover {
     struct Stop {
         double f_number = 0, airy_mm = 0, coc_mm = 0;

@@ -35,11 +35,10 @@ struct ChannelResponses {
     double radius_px = 0;
 };
 
-/// Computes one response for each CoC diameter (signed, in px). The sign has no effect without aberrations.
-/// Results are bit-identical for any number of threads.
+/// Computes one response for each CoC diameter (signed, in px), bit-identical for any number of threads.
 ///
-/// Throws Error(wrong_arguments) for an aperture of width 0, a CoC that is not finite or too large for
-/// `largest_u`, or a setting out of range. Throws Error(out_of_memory), with the required memory.
+/// Throws Error(wrong_arguments) for an aperture of width 0, a CoC beyond `largest_u`, or a setting out of
+/// range. Throws Error(out_of_memory), with the required memory.
 [[nodiscard]] std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometry,
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);

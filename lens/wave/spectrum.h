@@ -16,12 +16,12 @@ struct SpectralLine {
 /// Spectral lines whose weights add up to 1 in every channel.
 using Spectrum = std::vector<SpectralLine>;
 
-/// Returns a band of wavelengths for each channel, under white light: spectral lines from 440 to 632 nm, 32
-/// nm apart. The weight at wavelength lambda is
+/// Returns a band of wavelengths for each channel, under white light: lines from 440 to 632 nm, 32 nm apart.
+/// The weight at wavelength lambda is
 ///
 ///     cos^2(pi (lambda - c) / (2 w))  for |lambda - c| < w = 64 nm
 ///
-/// The centres c of R, G and B are the dominant wavelengths of Rec.709: 611, 549 and 464 nm [itu-bt709].
+/// The centres c (611, 549, 464 nm) are the dominant wavelengths of Rec.709 [itu-bt709].
 [[nodiscard]] Spectrum channel_bands();
 
 /// Returns a spectrum in which all wavelengths have equal weight in every channel.

@@ -27,12 +27,11 @@ struct ConvolveBlur {
     std::vector<Crossing> crossings;    ///< one per group
 };
 
-/// Blurs groups of objects that share a path. `still` is the pinhole image of the records, `groups` are
-/// sorted from near to far, and `across_per_px` is the size of a pixel on the film (sample_surfaces.h).
+/// Blurs groups of objects that share a path. Each pixel is composited front to back, in the order of groups
+/// and of the static surfaces between them.
 ///
-/// A pixel is composited front to back: the static surfaces in front of the nearest group, that group, the
-/// static surfaces behind it, and so on. At each depth, only the samples that have a record there or farther
-/// away count.
+/// `still` is the pinhole image, `groups` are sorted from near to far, and `across_per_px` is a pixel's size
+/// on the film (sample_surfaces.h).
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

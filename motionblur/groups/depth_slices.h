@@ -29,15 +29,16 @@ struct PathAxis {
 /// by over 1 px. Empty if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// How the projected area of a piece of surface changes along its path. At time t, it is the recorded area
-/// times 1 + the sum over the axes of rate * (path(t) . axis). The rate is G . axis / path_inverse_z, in
-/// 1/px, where G is the gradient of the inverse depth per px. This is exact for translations parallel to the
-/// film.
+/// How the projected area of a piece of surface changes along its path. Relative to the recorded area, it is
 ///
-/// A negative factor means that the piece shows its back and vanishes. `area` and the rates then approximate
-/// the positive part, with the same integral.
+///     area + sum over the axes of rate * (path(t) . axis)
+///
+/// This is exact for translations parallel to the film. A piece that shows its back is approximated, with the
+/// same integral.
 struct Stretch {
     double area = 1;
+    /// G . axis / path_inverse_z, for each axis. G is the gradient of the inverse depth 1/z' over the piece,
+    /// per px.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);

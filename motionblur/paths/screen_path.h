@@ -20,10 +20,9 @@ inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
 /// - polyline: constant velocity.
-/// - catmull_rom: a cubic in time, for any spacing of the knots. The velocity at a knot is that of the
-///   parabola through it and its two neighbours, or of the line to its only neighbour.
-/// - bezier: a cubic Bezier curve in time with the control points at_px, at_px + out_px, next at_px + in_px,
-///   next at_px. Handles of a third of the distance give constant velocity.
+/// - catmull_rom: a cubic in time. The velocity at a knot is that of the parabola through it and its
+///   neighbours, or of the line to its only neighbour.
+/// - bezier: a cubic Bezier curve in time. Handles of a third of the distance give constant velocity.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {
