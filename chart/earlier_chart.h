@@ -22,8 +22,8 @@ namespace postlens {
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds an earlier chart's measurements to `data`. Of two, the one with more rounds is kept. Returns true if
-/// it ran on another machine.
+/// Adds an earlier chart's measurements to `data`. If both contain a point, the one with more rounds is kept.
+/// Returns true if the chart was measured on another machine.
 ///
 /// A chart with another key is ignored. If it is the run's own (`own`), Error(wrong_arguments) is thrown.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,

@@ -28,7 +28,7 @@ struct MotionBlurSettings {
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
     /// The part of the image to compute, bit-identical to that of the whole image. Other pixels are
-    /// undefined. Shares in MotionBlurResult refer to it. Only lightfield gets faster.
+    /// undefined. Shares in MotionBlurResult refer to it.
     std::optional<Crop> crop;
 };
 

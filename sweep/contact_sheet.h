@@ -34,7 +34,7 @@ class ContactSheet {
 };
 
 /// Scales an image down with a box filter: each pixel is the mean of its area, in scene-linear values. The
-/// new size is at least 1 px, and not larger.
+/// new size must be at least 1 px, and at most the old one.
 [[nodiscard]] Image made_smaller(const Image& image, int width, int height);
 
 }  // namespace postlens

@@ -35,7 +35,7 @@ struct NoiseFloor {
     /// Tells which reference the image is closer to; positive means the second. It is the difference of the
     /// mean squared errors, in standard errors.
     ///
-    /// It is standard normal if the image is independent of two equally accurate references.
+    /// It has a standard normal distribution if the image is independent of two equally accurate references.
     double preference = 0;
 };
 

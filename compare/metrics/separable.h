@@ -25,8 +25,8 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile, row by row. For a filter of radius r, it has tile_height + 2r rows of tile_width +
-/// 2r values, or of tile_width values after filter_rows.
+/// One channel of a tile, row by row. For a filter of radius r, it has tile_height + 2r rows. filter_rows
+/// shortens them from tile_width + 2r to tile_width values.
 using TileChannel = std::vector<float>;
 
 /// Filters a tile along rows: out[x] = sum_k taps[k] in[x + k]. Rows of `in` have tile_width + taps - 1

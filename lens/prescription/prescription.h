@@ -46,8 +46,8 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// At most one of the two gives the opening of the stop. Without them, the opening is the stop's clear
-    /// radius.
+    /// At most one of these numbers gives the opening of the stop. Without them, the opening is the stop's
+    /// clear radius.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty

@@ -29,7 +29,7 @@ struct PassedBox {
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, in px. `most_slices` slices would be too coarse for more.
+/// Largest accepted parallax, in px. For more, `most_slices` depth slices would be too coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

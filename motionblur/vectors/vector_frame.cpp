@@ -129,7 +129,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the --layer that selects the colours of a channel group, or nothing if it has none.
+    /// Returns the value of --layer that selects the colours of a channel group, or nothing if it has none.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
