@@ -15,7 +15,7 @@ struct ChildResult {
 };
 
 /// Runs the program `words[0]`, which is searched for in PATH, with the other words as its arguments. Its
-/// standard input is empty, and its output is written to the file `output` or discarded.
+/// output is written to the file `output`, or discarded.
 ///
 /// If the current job is cancelled, this function ends the program and throws Error(interrupted).
 ChildResult run_child(const std::vector<std::string>& words, const std::filesystem::path& output = {});

@@ -27,9 +27,8 @@ struct JobSettings {
 /// The threads, the cancellation and the progress reports of one piece of work. Jobs in one process are
 /// independent.
 ///
-/// A job that a thread of another job creates is an inner job, and must not outlive the outer job. Cancelling
-/// the outer job also cancels the inner job. An inner job without a watcher reports to the watcher of the
-/// outer job.
+/// A thread of a job may create an inner job, which must not outlive the outer job. Cancelling the outer job
+/// also cancels the inner job. An inner job without a watcher reports to the watcher of the outer job.
 ///
 /// Jobs do not affect the thread pools of other libraries (OpenEXR, OpenImageIO, OpenCV).
 class Job {

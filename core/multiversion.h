@@ -1,10 +1,9 @@
-// POSTLENS_MULTIVERSION in front of a function compiles it for several instruction sets. The CPU's version is
-// chosen when the program is loaded. With -ffp-contract=off, all versions give bit-identical results.
+// POSTLENS_MULTIVERSION in front of a function compiles it for several instruction sets. With
+// -ffp-contract=off, all versions give bit-identical results. With clang, and on processors other than
+// x86-64, the macro is empty.
 //
-// Exception: GCC 12 still fuses alternating sums and differences of products, as in complex arithmetic. Split
-// such code into two loops. scripts/check_instruction_sets.sh finds it.
-//
-// With clang, and on processors other than x86-64, the macro is empty.
+// GCC 12 still fuses alternating sums and differences of products, as in complex arithmetic. Split such code
+// into two loops. scripts/check_instruction_sets.sh finds it.
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)

@@ -9,9 +9,8 @@
 
 namespace postlens {
 
-/// Like values.reserve(count), but all threads write to the new memory of an empty vector. The system clears
-/// each page at its first write, which takes longer than filling it. Use it for vectors that will be filled
-/// completely.
+/// Like values.reserve(count), but all threads write to the new memory of an empty vector. The first write to
+/// a page is slow. Use it for vectors that will be filled completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;

@@ -1,11 +1,9 @@
 // Replaces the global operator new and delete of a program, so that large blocks get pages of 2 MB instead of
-// 4 KB. Small pages cause many page faults and misses of the address cache (TLB). Debian's kernel uses large
-// pages only on request (transparent huge pages with the setting `madvise`).
+// 4 KB. This avoids page faults and misses of the address cache (TLB). Debian's kernel uses such pages only
+// on request (`madvise`).
 //
-// Blocks still come from malloc, so code that was compiled without these functions may free them. The kernel
-// keeps the request for an address range after its blocks are freed.
-//
-// This file is not part of the library, because a library must not decide how a program allocates memory.
+// Blocks still come from malloc, so code that was compiled without these functions may free them. This file
+// is not part of the library, because a library must not decide how a program allocates memory.
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -19,9 +17,8 @@ namespace {
 /// Size of a huge page on x86-64, and on ARM with ordinary pages of 4 KB.
 constexpr std::uintptr_t huge_page_bytes = std::uintptr_t{1} << 21;
 
-/// Requests huge pages for the addresses from begin to end, both multiples of the size of a huge page.
-/// Without success, the addresses keep small pages. If some are not mapped, madvise returns an error, but
-/// applies the request to all others.
+/// Requests huge pages for the addresses from begin to end, both multiples of the size of a huge page. Errors
+/// are ignored: addresses that are refused keep small pages.
 void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 #ifdef MADV_HUGEPAGE
     // NOLINTNEXTLINE(performance-no-int-to-ptr): only the kernel uses this pointer
@@ -34,12 +31,11 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
 /// One bit for each huge page, set if an allocated block has ended in it. The array takes 16 MB of address
-/// space, but memory only for the parts that are written to.
+/// space, but hardly any memory.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
-/// Requests huge pages for the addresses after a block, where malloc will place the next blocks. This is done
-/// once for each huge page in which a block ends. It must precede the first write, which decides the size of
-/// a page, and malloc itself writes behind each block.
+/// Requests huge pages for the addresses after a block, where malloc places the next blocks. It must precede
+/// the first write, which decides the size of a page.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;

@@ -1,9 +1,8 @@
 // Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. The kernel provides a huge
-// page (core/operator_new.cpp) only if all its addresses belong to the heap before the first write. Memory
-// that is never written to costs nothing.
+// page (core/operator_new.cpp) only for addresses that belong to the heap before the first write. Memory that
+// is never written to costs nothing.
 //
-// This file is not part of the library, because its settings affect the whole process. core/CMakeLists.txt
-// adds it to programs, but not to the Python module.
+// This file is not part of the library, because its settings affect the whole process.
 #include <malloc.h>
 
 namespace {
@@ -12,7 +11,7 @@ namespace {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
     // 64 MB is the size of a thread's heap, 32 MB the largest threshold of glibc. A thread's heap then keeps
-    // its memory, so huge pages need not be requested again.
+    // its memory, with its huge pages.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
     // By default, glibc returns more than 128 KB of unused memory at the end of the main heap, with its huge

@@ -15,8 +15,8 @@ namespace postlens {
 /// Formats a duration as "8 s", "3 min 05 s" or "2 h 07 min". Negative and NaN durations count as zero.
 [[nodiscard]] std::string duration_text(double duration_s);
 
-/// Returns a watcher (JobSettings::watch) that draws a bar with the remaining time on stderr, once a step has
-/// run for one second. Returns an empty function if stderr is not a terminal that can show the bar.
+/// Returns a watcher (JobSettings::watch) that draws a bar on stderr after one second. It is empty if stderr
+/// is not a terminal that can show the bar.
 [[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
 
 /// A step of the current job. It reports its progress to the job's watcher, unless it is nested in another

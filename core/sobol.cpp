@@ -13,8 +13,7 @@ constexpr int index_bits = 32;
 using Directions = std::array<std::uint32_t, index_bits>;
 
 /// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1 of one dimension of the Sobol sequence, and its first s
-/// initial numbers m, which are odd [joe2008, table "new-joe-kuo-6"]. The binary digits of `a` are a_1 ..
-/// a_(s-1).
+/// initial numbers m [joe2008, table "new-joe-kuo-6"]. The binary digits of `a` are a_1 .. a_(s-1).
 struct Polynomial {
     int s;
     std::uint32_t a;
@@ -23,8 +22,8 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A point is
-/// the exclusive or of the direction numbers k for which bit k of its index is set.
+/// Returns the bit-reversed direction numbers of a dimension of the Sobol sequence. A point is the exclusive
+/// or of those for the bits that are set in its index.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -78,7 +77,7 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
 }
 
 /// Returns dimension 1 of the Sobol sequence: Pascal's triangle modulo 2, as a matrix, times the bits of the
-/// index. This matrix is the product of five simple ones, one for each line below.
+/// index. Each line below is one of its five factors.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -113,9 +112,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Table entries for the bit-reversed coordinates of 16 consecutive samples, or of one sample. If the first
-/// index is a multiple of 16, the coordinate of sample i is low[i] ^ high, because only the lowest four bits
-/// differ.
+/// Table entries for the bit-reversed coordinates of consecutive samples. If the first index is a multiple of
+/// 16, the coordinate of sample i is low[i] ^ high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -10,9 +10,8 @@ namespace postlens {
 
 inline constexpr int sobol_dimensions = 5;
 
-/// Returns coordinate `dimension` (0 .. 4) of Sobol point `index`, with its bits reversed. Bit 0 selects one
-/// half of the unit interval, bit 1 one half of that half, and so on. The direction numbers are from
-/// [joe2008].
+/// Returns coordinate `dimension` (0 .. 4) of Sobol point `index` [joe2008], with its bits reversed. Bit 0
+/// selects one half of the unit interval, bit 1 one half of that half.
 [[nodiscard]] std::uint32_t sobol_reversed(int dimension, std::uint32_t index);
 
 [[nodiscard]] constexpr std::uint32_t reverse_bits(std::uint32_t x) {
@@ -22,9 +21,8 @@ inline constexpr int sobol_dimensions = 5;
     return ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
 }
 
-/// Scrambles a bit-reversed number by a nested uniform scramble [owen1995]: a hash [laine2011, burley2020] in
-/// which each bit depends only on the seed and the lower bits. The multipliers are from N. Vegdahl, "Building
-/// a better LK hash" (2021).
+/// Scrambles a bit-reversed number by a nested uniform scramble [owen1995], computed by a hash [laine2011,
+/// burley2020]. The multipliers are from N. Vegdahl, "Building a better LK hash" (2021).
 [[nodiscard]] constexpr std::uint32_t owen_scramble_reversed(std::uint32_t x, std::uint32_t seed) {
     x ^= x * 0x3d20adeaU;
     x += seed;
@@ -36,17 +34,16 @@ inline constexpr int sobol_dimensions = 5;
 // An eye ray uses one five-dimensional sequence for pixel, lens and time. With 1024 samples, its error is
 // half that of three separately shuffled sequences.
 
-/// Writes to `u` one coordinate, `dimension` (0 .. 4), of samples first .. first + lanes - 1 of the
-/// five-dimensional sequence, scrambled with `seed`. `lanes` must be 16 or 1, and first + lanes at most 2^20.
+/// Writes to `u` coordinate `dimension` (0 .. 4) of samples first .. first + lanes - 1 of the
+/// five-dimensional sequence, scrambled with `seed`. `lanes` is 16 or 1, and first + lanes at most 2^20.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
 /// Writes all coordinates of samples first .. first + 15 of the five-dimensional sequence, scrambled with
 /// `seeds`.
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Sample points for the dimensions after the first five. Each dimension or pair of dimensions uses the start
-/// of the Sobol sequence, in its own shuffled order [burley2020]. The functions write samples first .. first
-/// + lanes - 1, where `lanes` is 16 or 1.
+/// Sample points for the dimensions after the first five, from shuffled Sobol sequences [burley2020]. The
+/// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
     /// `n` is the number of samples of a pixel, 1 .. 2^20. Indices are shuffled among the first 2^k >= n,

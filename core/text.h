@@ -31,9 +31,8 @@ namespace postlens {
 /// rounded to three decimals.
 [[nodiscard]] std::string rough(double value);
 
-/// Returns the candidate with the smallest edit distance to `word`, the first one of equals. Edits are
-/// insertions, deletions, replacements and swaps of neighbouring letters. The result is empty if all
-/// candidates need more than `most_edits`.
+/// Returns the first candidate with the smallest edit distance to `word`, or an empty text if all need more
+/// than `most_edits`. A swap of neighbouring letters is one edit.
 [[nodiscard]] std::string_view nearest_word(std::string_view word,
                                             std::span<const std::string_view> candidates,
                                             std::size_t most_edits = std::numeric_limits<std::size_t>::max());

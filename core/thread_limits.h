@@ -3,8 +3,8 @@
 
 namespace postlens {
 
-/// Throws Error(out_of_memory) unless the system allows `number` more threads. To test this, it starts and
-/// ends them. If TBB could not start a thread later, it would abort the process or wait forever.
+/// Throws Error(out_of_memory) unless the system allows `number` more threads. It starts and ends them as a
+/// test, because TBB would abort the process or wait forever without them.
 void require_threads(int number);
 
 /// Number of threads that a library for image files may start, in addition to the threads of the jobs.

@@ -18,9 +18,8 @@ namespace postlens {
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk);
 
-/// Calls body(i) once for each i in [0, count), in any order. The result is the same for any number of
-/// threads if body(i) does not depend on the thread. If body throws, no further indices are started, and one
-/// of the exceptions is rethrown.
+/// Calls body(i) once for each i in [0, count), in any order. If body throws, no further indices are started,
+/// and one of the exceptions is rethrown.
 ///
 /// Throws Error(interrupted) if the current job is cancelled. This is checked every `grain` indices, which
 /// should take less than 100 ms.
@@ -31,15 +30,13 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     });
 }
 
-/// Calls make(i) and then end(i) for each i. make(i) may run on any thread; the calls of end are made one at
-/// a time, in order. At most `at_a_time` indices are in progress, from the start of make(i) to the end of
-/// end(i).
+/// Calls make(i), on any thread, and then end(i) for each i. The calls of end are made one at a time, in
+/// order. At most `at_a_time` indices are in progress.
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 
-/// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make run at once, on any
-/// thread, and may contain parallel loops. The calls of end are made one at a time, in order. Exceptions and
-/// cancellation are handled as in parallel_for.
+/// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make run at once, and may
+/// contain parallel loops. Calls of end are made one at a time, in order.
 template <typename Make, typename End>
 void make_in_order(std::size_t count, std::size_t at_a_time, const Make& make, const End& end) {
     std::vector<std::optional<std::invoke_result_t<const Make&, std::size_t>>> made(count);

@@ -54,9 +54,8 @@ std::string range_text(const NumberRange& range) {
     return range.may_be_infinite ? text + " or inf" : text;
 }
 
-/// Refuses keys with very many parts, such as a.a.a.a. The parser makes a nested table for each part and
-/// visits them recursively, which could overflow the stack. Its own depth limit covers only arrays and inline
-/// tables. Dots in quoted text and comments do not count.
+/// Refuses keys with very many parts, such as a.a.a.a. The parser visits their nested tables recursively,
+/// which could overflow the stack. Its own depth limit covers only arrays and inline tables.
 void check_depth_of_keys(std::string_view text, const std::string& file) {
     constexpr int most_parts = 256;
     const auto past = [&](std::size_t at) {

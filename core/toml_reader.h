@@ -1,6 +1,5 @@
-// Reads values of given types from TOML tables. Errors name the line and column, and the known key that is
-// most similar to an unknown one. Include it only in .cpp files that read TOML, because toml++ takes seconds
-// to compile.
+// Reads values of given types from TOML tables. Errors name the line and column. Include it only in .cpp
+// files that read TOML, because toml++ takes seconds to compile.
 #pragma once
 
 #include <filesystem>

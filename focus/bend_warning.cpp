@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether reprojection to the rim of the lens misplaces a record by more than most_bend_px. This
-/// happens in mirrors and glass, because reprojection by the 2x2 matrix W is only linear.
+/// Tests whether reprojection to the rim of the lens misplaces a record by more than most_bend_px.
+/// Reprojection is linear, but the motion of images in mirrors and glass is not.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -30,9 +30,11 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns half the width of a record's blur, in px. It is the root mean square of the singular values of M =
-/// gain R (I/s - W), which converts lens points, in lens radii, to px. Here gain is the film distance in px,
-/// R the aperture radius, s the focus distance and W the record's 2x2 matrix.
+/// Returns half the width of a record's blur, in px: the root mean square of the singular values of M = gain
+/// R (I/s - W).
+///
+/// M converts lens points to px. Gain is the film distance in px, R the aperture radius, s the focus
+/// distance, W the record's 2x2 matrix.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -1,5 +1,5 @@
-// Warning about objects in mirrors and glass that are drawn at wrong positions. The error comes from
-// reprojection by W, which is only a linear approximation.
+// Warning about objects in mirrors and glass that are drawn at wrong positions. Their motion over the lens is
+// not linear, but reprojection is.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,16 @@
 
 namespace postlens {
 
-/// Returns a warning of code "nonlinear" with the share of pixels that show a misplaced node. A node of the
-/// shading tree is misplaced if some lens point sees it more than half a pixel from its reprojected position.
-/// Only visible nodes brighter than 1/255 count.
+/// Returns a warning of code "nonlinear", with the share of pixels that show an object at a wrong position.
+/// For some lens point, the error of reprojection is more than half a pixel.
 ///
-/// The error of a node in px, for an aperture of diameter D, is:
-///
-///     (film distance / pixel pitch) w_bend (D / 2)^2
-///
-/// Returns nothing if no pixel is affected, or if the file has no w_bend (`SampleHeader::has_bend`). With a
-/// `crop`, only the pixels within it count. The result does not depend on the number of threads.
+/// Returns nothing if no pixel is affected, or if the file has no w_bend (error of reprojection). With a
+/// `crop`, only pixels within it count.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that is drawn at wrong positions. It sums all records that reprojection misplaces by
-/// more than half a pixel for some lens point. Each record is spread over a square as wide as its blur.
+/// Image of the light that reprojection misplaces by more than half a pixel for some lens point. Each record
+/// is spread over a square as wide as its blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);

@@ -79,8 +79,8 @@ struct StripPlan {
     int block_px;            ///< edge of the pixel blocks that are scattered together
 };
 
-/// Computes an image strip by strip (group of rows), so that only one strip's splats (impulse responses) are
-/// in memory. `draw(part)` computes one strip. The image is bit-identical to one made without strips.
+/// Computes an image strip by strip (group of rows), to save memory. `draw(part)` computes one strip. The
+/// image is bit-identical to one made without strips.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {

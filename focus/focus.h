@@ -31,8 +31,8 @@ struct FocusSettings {
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
     /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. By default,
-    /// rounding to these depths changes CoC diameters up to 2048 px by less than half a pixel. If `spacing`
-    /// is linear, the default is at most most_linear_levels, and the change may be larger.
+    /// rounding to these depths changes CoC diameters by less than half a pixel. With linear `spacing`, or
+    /// above 2048 px, it may be more.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
@@ -70,8 +70,8 @@ struct FocusResult {
 
 /// Computes the image that the lens forms. The result is bit-identical for any number of threads.
 ///
-/// Throws Error(wrong_arguments) if a setting is out of range or the crop exceeds the image. An orthographic
-/// file with a finite f-number is also refused. Throws Error(invalid_input) if the file is damaged.
+/// Throws Error(wrong_arguments) if a setting is out of range, or if an orthographic file has a finite
+/// f-number. Throws Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
 /// Computes a single image of a file. Throws the same errors as the other overload.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);

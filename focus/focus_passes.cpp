@@ -19,8 +19,8 @@ namespace {
 
 /// Smallest coverage of an object that is written to a Cryptomatte. Renderers use a similar limit.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. Blurred edges show more objects than
-/// usual. The number is fixed, so that parts of an image that are computed separately have the same channels.
+/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. Blurred edges show many objects.
+/// Separately computed parts of an image must have the same number.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -31,9 +31,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns the signed CoC diameter of the surface that each pixel shows without blur. This surface is the
-/// first sample, from front to back, where the composited alpha reaches one half. `effect` is a factor per
-/// pixel, or empty.
+/// Returns the signed CoC diameter of the surface that each pixel shows without blur. `effect` is a factor
+/// per pixel, or empty.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -125,8 +124,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// from the differences between independent sets of views.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // Few views need more than two sets. Pixels of the same depth use the same lens points, so two small sets
-    // may agree by chance over a large area.
+    // Two small sets of views may agree by chance. They would do so over a large area, because pixels of the
+    // same depth use the same lens points.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

@@ -11,8 +11,8 @@
 namespace postlens {
 
 struct FocusPasses {
-    bool coc = false;    ///< signed CoC diameter, px, of the surface that the pinhole sees
-    bool sides = false;  ///< focus.before, focus.in, focus.behind: shares of the pixel that add up to alpha
+    bool coc = false;          ///< signed CoC diameter in px without blur; negative in front of the focus
+    bool sides = false;        ///< shares in front of, in (CoC up to 1 px) and behind the focus; sum is alpha
     bool cryptomatte = false;  ///< the image's Cryptomatte seen through the lens; coverages add up to alpha
     bool error = false;        ///< standard error of the mean over the views; only with `lightfield`
     /// Returns whether any of the channels is measured by views.
@@ -21,19 +21,12 @@ struct FocusPasses {
 };
 
 /// Adds the channels to a focused image. Views through the lens measure the share of each object in a pixel.
-/// The shares are then scaled to add up to the pixel's alpha.
+/// `effect` is the strength of the blur in each pixel, from 0 to 1. If it is empty, the strength is 1.
 ///
-/// A pixel is in focus if its CoC diameter is at most 1 px. The CoC is negative in front of the focus, and 0
-/// where nothing is hit or stored.
+/// Returns the fraction of pixels that show more objects than the Cryptomatte stores per pixel. Their
+/// smallest coverages are left out.
 ///
-/// `effect` is the strength of the blur in each pixel: 0 is the pinhole image, 1 is fully blurred. If it is
-/// empty, all pixels are fully blurred.
-///
-/// Returns the fraction of pixels that show more objects than the Cryptomatte has ranks (objects per pixel).
-/// Their smallest coverages are left out.
-///
-/// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if the method or the impulse response
-/// does not support a channel. Throws Error(out_of_memory).
+/// Throws Error(wrong_arguments) if a channel is not available. Throws Error(out_of_memory).
 double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,
                         const FocusPasses& passes, Image& image, const std::vector<float>& effect = {});
 

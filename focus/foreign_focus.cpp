@@ -230,9 +230,8 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `scatter` divides each pixel by its sum of weights, so empty space needs a weight. Otherwise,
-            // blur would make the edge of an object opaque. `layers` composites empty space as the farthest
-            // surface instead.
+            // `scatter` divides each pixel by its sum of weights. Without a weight of empty space, blur would
+            // make the edge of an object opaque. `layers` composites empty space instead.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {

@@ -40,9 +40,8 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory. A record yields at most one point sample, in a vector that may have twice
-    // the capacity. It also yields at most one plain corner, a compact copy with a depth and three colour
-    // values.
+    // Upper bound of the memory. A record yields at most one point sample, in a vector of up to twice the
+    // capacity, and a copy of its depth and colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

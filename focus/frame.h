@@ -23,9 +23,9 @@ struct TreeSheets;
 /// Rows [y_begin, y_end) of a frame at instant 0. `band` contains the records of these rows and, if the file
 /// has them, of the row above and the row below.
 ///
-/// If the frame keeps its samples, `samples` has the point samples (eye rays) of each `rows_per_task` rows.
-/// `plain` has compact copies of those between undivided pixels without reflections. Otherwise both are
-/// empty.
+/// If the frame keeps its samples, these have one element per `rows_per_task` rows. Otherwise they are empty.
+/// - `samples`: the point samples (eye rays)
+/// - `plain`: compact copies of those between undivided pixels without reflections
 struct FrameRows {
     /// Number of rows per task. Smaller tasks are inefficient, because each task also reads the row above and
     /// the row below.
@@ -40,8 +40,8 @@ struct FrameRows {
 
 /// The data of a sample file that the images of all lenses use: records, point samples and surfaces.
 ///
-/// Only one thread at a time may use a frame. As an exception, several threads may call visit_rows if the
-/// frame keeps its rows and has visited them once.
+/// Only one thread at a time may use a frame. Exception: visit_rows, once a frame that keeps its rows has
+/// visited them.
 class FocusFrame {
   public:
     /// `many` states that several images will be made, so the frame keeps the file's data in memory. The
@@ -58,9 +58,8 @@ class FocusFrame {
     /// Returns the surfaces at a recorded instant, divided into sheets (surfaces within squares of the
     /// raster). The result is valid until the next call for the same instant.
     ///
-    /// - `rule` selects highlights; rule.above must be the same in all calls, because kept surfaces store
-    ///   only highlights above it
-    /// - `also` receives the records of each row once; it may be set only for instant 0
+    /// - `rule` selects highlights; rule.above must be the same in all calls
+    /// - `also` receives the records of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 

@@ -11,11 +11,8 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend of each pixel, in 1/m^2, of records that the pinhole sees. Records darker than
-/// darkest_shown are ignored.
-///
-/// w_bend limits the error of reprojection by the 2x2 matrix W. In px, for an aperture of diameter D, the
-/// error is at most:
+/// The largest w_bend of each pixel, in 1/m^2, of records that the pinhole sees. It limits the error of
+/// reprojection. In px, for an aperture of diameter D, the error is at most:
 ///
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {

@@ -28,8 +28,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // All samples in a cell, a square of the image, share one response. Within a cell, the response
-        // changes by at most half a pixel or 2 % of its radius, which is not visible.
+        // All samples in a cell (square of the image) share one response. Within a cell, it changes
+        // invisibly, by at most half a pixel or 2 % of its radius.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -55,8 +55,8 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // The shape of a response smaller than a pixel is not visible, so a disc replaces it. A disc also
-        // divides the light at a pixel corner equally between the four pixels.
+        // A disc replaces a response smaller than a pixel, whose shape is not visible. At a pixel corner, a
+        // disc divides its light equally between the four pixels.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
@@ -73,9 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the inverse depth of a sample: the mean of the diagonal of its 2x2 reprojection matrix W.
-    // `map_px` is gain R (I/s - W), with gain = film distance in px, R = aperture radius and s = focus
-    // distance.
+    // Returns the inverse depth of a sample: the mean of the diagonal of its 2x2 matrix W. `map_px` is gain R
+    // (I/s - W), with gain = film distance in px, R = aperture radius, s = focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -8,9 +8,8 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if light from beyond the recorded area is missing in the image. This
-/// is so if circles of confusion at the border are wider than the overscan. With a `crop`, only pixels within
-/// it count.
+/// Returns a warning of code "overscan" if circles of confusion at the border are wider than the overscan.
+/// The image then lacks light from beyond. With a `crop`, only its pixels count.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

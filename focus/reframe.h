@@ -7,11 +7,11 @@
 namespace postlens {
 
 /// Returns the traced pixels that are needed for an image of width x height pixels, magnified by `zoom` about
-/// its centre. If zoom < 1, these pixels extend beyond the image.
+/// its centre. For zoom < 1, they extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Resamples `traced`, which has the pixels of `window`, to width x height pixels, magnified by `zoom` about
-/// the centre. Each output pixel is the mean of the traced pixels that it covers, weighted by area.
+/// Magnifies `traced`, the pixels of `window`, by `zoom` about the centre. Each output pixel is the mean of
+/// the traced pixels that it covers, weighted by area.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

@@ -35,10 +35,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns the number of views of each tile for the next step. Doubles the views of the tiles in which an
-/// added view reduces the error most, until the expected mean error of the image is below `wanted_mse`.
-///
-/// Each added view is assumed to increase the reciprocal of a tile's error by the same amount.
+/// Returns the number of views of each tile for the next step. Doubles the views where this reduces the error
+/// most, until the expected mean error is below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -76,8 +74,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the error of the records, measured by check rays, is least accurate. The other
-/// tiles contribute at most `most_variance` to the variance of the image's error.
+/// Selects the tiles in which the error of the records is least accurate. The other tiles add at most
+/// `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -85,9 +83,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles in which rays, instead of impulse responses, should show the highlights, because their
-/// errors are largest. In the other tiles, highlights cause at most a quarter of the target error `most_mse`.
-/// Tiles are not selected if even the most rays would leave a noise above `most_mse`.
+/// Selects the tiles in which rays, instead of impulse responses, should show the highlights. In the other
+/// tiles, highlights cause at most a quarter of the target error `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -102,9 +99,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns the number of views of each tile for the next step, if the 95 % interval of the error is too wide.
-/// Doubles the views of the tiles in which this narrows the interval most, until the expected width is below
-/// `wanted_interval_db`. `most_samples` limits the number of view samples (views times pixels).
+/// Returns the number of views of each tile for the next step, to narrow the 95 % interval of the error.
+/// `most_samples` limits the number of views times pixels.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -145,11 +141,13 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes an image by the method `layers`, unless this would take longer than the first views. On sample
-/// scenes and random scenes, a record takes 0.4 to 0.7 us, a sum (layer_sums) 0.05 to 0.3 us, and a view 0.1
-/// to 0.4 us for a pixel.
+/// Makes an image by the method `layers`, unless this would take longer than the first views. Times in test
+/// scenes:
+/// - record: 0.4 to 0.7 us
+/// - sum (layer_sums): 0.05 to 0.3 us
+/// - pixel of a view: 0.1 to 0.4 us
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Time of a record and of a sum, relative to one pixel of a view.
+    // Time that `layers` takes for a record and for a sum, divided by that of one pixel of a view.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -165,9 +163,8 @@ std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
     return image;
 }
 
-/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is that of sRGB
-/// values, in which errors are measured. If `views` is at least 1, where sRGB values are clamped, radiances
-/// are averaged.
+/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. It averages sRGB values,
+/// in which errors are measured, unless `views` is too bright for sRGB.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
@@ -254,8 +251,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views do not reduce the error of the highlights. If it exceeds twice the target, a quarter
-            // of it suffices for the noise. `doubled_for` halves its argument, so half is passed.
+            // More views do not reduce the error of the highlights. If it exceeds twice the target, the noise
+            // need only be a quarter of it. `doubled_for` halves its argument.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -263,8 +260,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, the errors of single tiles are inaccurate. Selecting tiles by them would make
-            // the stated interval too narrow, so the first step doubles the views of all tiles with an error.
+            // With few views, selecting tiles by their inaccurate errors makes the stated interval too
+            // narrow. The first step therefore doubles the views of all tiles with an error.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

@@ -15,9 +15,8 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If it is
-    /// set and no scene is given, the warning `unsure` reports that AutoResult::bound_mse misses the target
-    /// although the noise meets it.
+    /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If set,
+    /// the warning `unsure` reports without a scene that AutoResult::bound_mse misses it.
     std::optional<double> target_db;
 };
 
@@ -39,10 +38,9 @@ struct AutoResult {
     /// Share of the view samples (pixels of single views) whose colours the records do not determine. Set
     /// only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene, when the error is not measured and `hybrid.stated` is empty:
+    /// Set only without a scene, when the error is not measured:
     /// - `noise_mse`: measured noise of the views
-    /// - `bound_mse`: upper bound of the error that this noise and the unsure view samples cause
-    ///   (planner/errors/records_bound.h)
+    /// - `bound_mse`: upper bound of the error due to this noise and the unsure view samples
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -51,20 +49,13 @@ struct AutoResult {
 };
 
 /// Makes a light field image with as many views in each tile as the target error needs. It starts with a few
-/// views per tile. Then it repeatedly doubles the views of the tiles where this reduces the error most for
-/// its cost.
+/// views per tile. Then it doubles the views where this reduces the error most for its cost.
 ///
-/// The target is met when the upper end of the 95 % interval of the image's error is below it. If the
-/// interval is wider than wanted_interval_db, further views are added, up to four times as many.
+/// The target is met when the upper end of the 95 % interval of the error is below it. If the interval is
+/// wider than wanted_interval_db, up to four times as many views are drawn.
 ///
-/// With a scene, rays replace unsure view samples, which the records do not determine. Check rays measure the
-/// error of all other view samples. Where this error is too large or not known well enough, rays replace all
-/// view samples of a tile. Without a scene, unsure view samples keep their recorded colours, and their error
-/// is not measured.
-///
-/// With a scene and no shutter, the method `layers` also makes an image, if this takes no longer than the
-/// first views. The views measure its error. It is mixed with the views, in each tile with the weight that
-/// gives the smallest error.
+/// With a scene, rays replace view samples that the records do not determine, and measure the error of the
+/// others. With a scene and no shutter, an image by `layers` is mixed in where this reduces the error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

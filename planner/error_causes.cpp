@@ -23,8 +23,8 @@ constexpr double wrong_above = 1.0 / 255;
 /// A cause explains the error of a pixel if an image without this cause has at most half the error. This is
 /// the limit for the squared error.
 constexpr double explained = 0.25;
-/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's. For the
-/// density of the records it is smaller, because edges that pass between samples are not counted.
+/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's. The error of
+/// record density is often underestimated, so its limit is smaller.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this share of its light is missing in the records.
@@ -51,9 +51,8 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// Estimates the share of a pixel's light that comes from beyond the overscan (pixels traced outside the
-/// image): the part of its circle of confusion that lies there. On each side, the circle is as large as the
-/// largest one recorded along that border.
+/// Estimates the share of a pixel's light from beyond the overscan (pixels traced outside the image): the
+/// part of its circle of confusion that lies there.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
@@ -151,7 +150,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
     // A light field from the same records determines correctly which surfaces hide others, and how they move.
-    // An error that it does not have is due to the method that made the image.
+    // Errors that it does not have are due to the image's method.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -225,7 +224,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else if (best != nullptr) {
             cause = best->cause;
             // Records of further instants add surfaces that rotate into view, and new colours of known
-            // surfaces. If almost all light of this pixel was recorded, the new colours corrected it.
+            // surfaces. If almost all light was already recorded, the new colours have corrected the pixel.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

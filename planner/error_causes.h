@@ -41,18 +41,13 @@ struct CauseMap {
 /// Finds the cause of the error in each wrong pixel. A pixel is wrong if the sRGB value of some channel
 /// differs from the reference by more than 1/255. There are three steps.
 ///
-/// 1. The image is made again in ways that avoid some causes, for example with finer kernels or many views.
-/// If this at least halves the error of a pixel, the avoided cause explains it.
+/// 1. The image is made again in ways that avoid some causes. A cause explains an error that at least halves
+/// without it.
 ///
-/// 2. If `view.scene` is given and at least a tenth of the error is unexplained, the scene is traced again
-/// without some limits of the records (error_trials). A limit is the cause if its removal corrects the pixel.
+/// 2. With `view.scene`, the scene is traced again without some limits of the records (error_trials).
 ///
-/// 3. In the remaining pixels, the error of each cause is estimated:
-/// - hidden surfaces, and light from beyond the overscan: from the local contrast
-/// - nonlinear W: from the misplaced radiance
-/// - record density: from the record floor (record_floor)
-///
-/// The largest estimate decides. If even this is too small, the cause is view-dependent shading.
+/// 3. In the remaining pixels, the cause with the largest estimated error is chosen. If this is too small, it
+/// is view-dependent shading.
 ///
 /// Throws the errors of hybrid_picture. Both images must have the size of the file.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,

@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// The records of a pixel are insufficient if one of these exceeds this limit: the share of its light that is
-/// not recorded, or the radiance that is reprojected to wrong positions.
+/// The records of a pixel are insufficient if one value exceeds this: the share of its light that is not
+/// recorded, or the radiance at wrong positions.
 constexpr double tolerated = 0.02;
 
 /// Returns the share of pixels in the image or crop whose records are insufficient.
@@ -99,10 +99,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and rays. The difference of two independent halves of the views measures the
-/// noise, and check rays measure the error of the records. Rays replace all samples in the tiles where this
-/// error is largest. The remaining error is small compared with the noise, or both together are at most
-/// `fine_mse`.
+/// Makes the image from records and rays. Rays replace all samples in tiles with large errors of the records,
+/// until these are small compared with the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

@@ -36,8 +36,8 @@ struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
     /// Share of the pixels of the image or crop that `scatter` makes. Set only without a scene.
     double scattered_share = 0;
-    /// Share of the pixels of the image or crop that would need rays. Too much of their light is not
-    /// recorded, or is reprojected to wrong positions. Set only without a scene.
+    /// Share of the pixels of the image or crop whose records do not suffice: much light is missing, or
+    /// reprojected to wrong positions. Set only without a scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;

@@ -35,8 +35,8 @@ void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 /// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
 /// number of views, or 0 if its method draws none.
 ///
-/// Two independent images a and b are drawn, each with at least 64 views and none of those of `image`. Their
-/// errors are independent, so the expectation of (image - a)(image - b) is the squared error of `image`.
+/// Two independent images a and b are drawn, each with at least 64 other views. The expectation of (image -
+/// a)(image - b) is then the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
 /// threads.

@@ -42,24 +42,22 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of the mean of the two halves that `measured` compares. If `mix` is not empty, it has
-/// one element per tile, and the mean is blended with the other image of `measured`. The 95 % interval
-/// assumes that the logarithm of the error is normally distributed.
+/// Returns the error of the mean of the two halves that `measured` compares. With `mix` (one element per
+/// tile), another image is blended in. The 95 % interval assumes that the logarithm of the error is normally
+/// distributed.
 ///
-/// A blended tile has this error:
+/// With the weight w of the other image, a tile has this error:
 ///
 ///     (1 - w)^2 noise + w^2 e^2 + bias
 ///
-/// Here w is the weight of the other image, and e its difference from the mean of infinitely many views. bias
-/// is the error of the records, assumed to be uncorrelated with e.
+/// Here e is the difference between the other image and the mean of infinitely many views. bias is the error
+/// of the records.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Chooses, for each tile, the weight of the other image that is mixed with the views. The first set of
-/// weights that is tried has the smallest estimated error. Each further set has a larger but more accurately
-/// known error.
-///
-/// The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there is none, it is
-/// the set with the smallest StatedError::high_mse.
+/// weights has the smallest estimated error. Further sets have larger but better known errors. The first set
+/// whose 95 % interval is at most wanted_interval_db wide is chosen, otherwise that with the smallest
+/// StatedError::high_mse.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

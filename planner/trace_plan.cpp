@@ -96,9 +96,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At level L of the quadtree, an edge crosses 2^L cells of a pixel, each with an area of 4^-L
-                // px^2. The variance of the light is proportional to the sum of the squared areas, 2^L
-                // (4^-L)^2 = 2^-3L.
+                // At level L of the quadtree, an edge crosses 2^L cells of a pixel, of 4^-L px^2 each. The
+                // variance of the light is proportional to the sum of their squared areas, 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -107,10 +106,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of each is
-            // proportional to its area, 4^-L px^2. Squared error of the pixel:
-            // - edge parallel to the cells: their equal errors add up, (2^L 4^-L)^2 = 2^-2L
-            // - slanted edge: their errors are independent, 2^L (4^-L)^2 = 2^-3L
+            // At level L of the quadtree, an edge crosses 2^L cells of a pixel, each with an area and error
+            // of 4^-L. Squared error of the pixel:
+            // - edge parallel to the cells, equal errors: (2^L 4^-L)^2 = 2^-2L
+            // - slanted edge, independent errors: 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -181,12 +180,11 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
                              camera.width, 0, camera.height);
-    // Dividing a cell into four adds samples.
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The margin of the preview is
-    // `coarser` times as wide, so `narrower` scales down the number of its hidden records.
+    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The preview's margin is `coarser`
+    // times as wide, so its number of hidden records is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -195,7 +193,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
         // Hidden surfaces are not recorded if all CoC diameters differ by less than half a pixel. The largest
-        // difference, between the nearest surface and an infinitely far one, is 2 reach_px.
+        // difference, from the nearest surface to infinity, is 2 reach_px.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -24,15 +24,11 @@ struct TracePlan {
 
 /// Chooses the settings of a trace, from a preview with a quarter of the width and height.
 ///
-/// The preview predicts the record floor of each level of subdivision, the error of knowing edges only to
-/// within a quadtree cell (planner/errors/record_floor.h). The coarsest level is chosen whose record floor is
-/// at most half of the squared error that `target_db` allows. This must hold for the mean of the image and
-/// for nine of ten tiles.
+/// The record floor is the error due to the size of quadtree cells. The coarsest level of subdivision is
+/// chosen whose record floor is at most half of the squared error that `target_db` allows. This must hold for
+/// the mean of the image and for nine of ten tiles. With `for_rays`, the level is always
+/// TraceSettings::ray_levels.
 ///
-/// With `for_rays`, rays will later replace the view samples that the records do not determine. The level is
-/// then always TraceSettings::ray_levels.
-///
-/// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
 /// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
 ///
 /// Throws Error(wrong_arguments) if `asked` has neither for_shutter nor both for_f_number and for_focus_m.

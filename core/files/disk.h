@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns the free space, in bytes, of the file system of `target`, or of its destination if it is a
-/// symbolic link. The file need not exist. If the space is unknown, returns the largest representable number.
+/// Returns the free space, in bytes, of the file system on which `target` is or will be created. If it is
+/// unknown, returns the largest representable number.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
 /// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes`

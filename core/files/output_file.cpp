@@ -18,9 +18,8 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, which the signal handler removes. To use or free a path, its pointer
-// is first exchanged for null, so that a thread and the handler never share it. Beyond slot_count files, the
-// handler removes none.
+// Paths of the temporary files, for the signal handler. To use or free a path, its pointer is first exchanged
+// for null. A thread and the handler thus never share it.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -104,9 +103,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The temporary name keeps the target's extension, because image writers choose the format by it.
-    // `number` is needed because a process may write several files, and processes in different containers may
-    // have the same id.
+    // The temporary name keeps the extension, because image writers choose the format by it. `number`
+    // distinguishes files of one process, and of containers with the same process id.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -146,7 +144,7 @@ void OutputFile::commit() {
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
     // Flushing the folder makes the new name survive a power failure. Errors are ignored, because the file is
-    // complete. A folder that is not readable, for example, cannot be opened here.
+    // complete, and folders may be unreadable.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

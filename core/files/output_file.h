@@ -10,12 +10,11 @@
 
 namespace postlens {
 
-/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Without `commit()`, the
-/// temporary file is removed and an older target stays. If the target is a symbolic link, the file that it
-/// points to is replaced.
+/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Otherwise the temporary
+/// file is removed and an older target stays. Symbolic links are followed.
 ///
-/// The constructor throws Error(cannot_write) if the target cannot be written, so that the error appears
-/// before the contents are computed.
+/// The constructor throws Error(cannot_write) if the target cannot be written, before the contents are
+/// computed.
 class OutputFile {
   public:
     explicit OutputFile(std::filesystem::path target);
@@ -26,7 +25,7 @@ class OutputFile {
     OutputFile& operator=(OutputFile&&) = delete;
 
     /// Path of the temporary file, which exists, is empty, and belongs to this object only. It has the
-    /// target's folder and extension, because image writers choose the format by the extension.
+    /// extension of the target, by which image writers choose the format.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 

@@ -22,8 +22,8 @@ constexpr float least_step_px = 1;
 constexpr float farthest_px = 512;
 
 /// Two signed CoC radii of a sample, in px. They are infinite for empty space.
-/// - `own`: radius for the true depth, which decides what hides what
-/// - `blur`: radius of its blur, which an effect such as "keep this object sharp" may change
+/// - `own`: radius for the true depth
+/// - `blur`: radius of the blur, which an effect such as "keep this object sharp" may change
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
@@ -115,7 +115,7 @@ class BehindSearch::Impl {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                // `opaque_` already has the transmittance of a stack of one sample.
+                // For a stack of one sample, `opaque_` was already computed from the transmittance.
                 if (last.is_nothing() || (opaque_[i] != 0 && p_.stack_of(i).size() == 1) ||
                     transmittance_behind(p_.stack_of(i), p_.is_nothing_behind(i)) <= opaque_transmittance)
                     continue;
@@ -144,6 +144,8 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
+        // The depths and the id come from the nearest surface. The colour is the mean of all surfaces at
+        // about this depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -186,9 +188,8 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until `take`
-    /// returns true. The walk ends where no CoC can touch that of the first pixel, whose CoC radius is
-    /// `blur_px`. It also ends where no pixels are known.
+    /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until it returns
+    /// true. Ends where no CoC can touch the first pixel's CoC, of radius `blur_px`.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -254,9 +255,8 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds the distance from each stored pixel to the next depth edge in direction `d`, in steps. At a
-    /// depth edge, the next pixel is farther from the camera. `steps` is 0 if there is none within
-    /// farthest_px.
+    /// Sets `steps` to the distance from each pixel to the next depth edge in direction `d`, or to 0 if there
+    /// is none. At a depth edge, the next pixel is farther away.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         // Only pixels in the columns [first, end) have a stored column next to them in direction `d`.
@@ -284,7 +284,7 @@ class BehindSearch::Impl {
             }
         }
     }
-    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels of a row.
+    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels.
     /// - `here`: index of the first pixel
     /// - `next`: index of its neighbour in the direction of the search
     /// - `backwards`: whether the last pixel is computed first
@@ -343,9 +343,8 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Moves the surfaces of the object with the largest sum of weights (1 / squared distance) to the front
-    /// of `finds`. Returns their number. Without this selection, a small emitter beside an edge would colour
-    /// everything behind the edge.
+    /// Moves the surfaces of the object with the largest weight to the front of `finds`. Returns their
+    /// number. Otherwise, a small emitter beside an edge would colour everything behind it.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;

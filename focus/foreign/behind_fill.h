@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Returns the window that contains the raster (the file's display window) and all stored pixels. All its
-/// pixels are known: those of the raster that are not stored are empty space.
+/// Returns the window that contains the raster (the file's display window) and all stored pixels. Pixels of
+/// the raster that are not stored are empty space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};
@@ -36,15 +36,11 @@ struct Behind {
     bool fills = false;  ///< the pixel is translucent, with only empty space behind it and its neighbours
 };
 
-/// Estimates the surface behind each stored pixel. From an opaque pixel, eight directions are searched for a
-/// farther surface:
-/// - its depth is larger, and its signed CoC radius differs by at least a pixel
-/// - it is so near in the image that blur can reveal it
-/// - empty space counts as farther than all surfaces, and is not blurred
+/// Estimates the surface behind each stored pixel. It searches eight directions for a farther surface whose
+/// blur reaches the pixel. Empty space counts as the farthest surface.
 ///
-/// Surfaces have the weight 1 / squared distance. If samples have ids, only the object with the largest sum
-/// of weights counts. The depths and the id come from the nearest of its surfaces. The colour is the weighted
-/// mean of those at about this depth.
+/// The colour is a mean, weighted by 1 / squared distance. If samples have ids, only the object with the
+/// largest sum of weights counts.
 class BehindSearch {
   public:
     /// Both `picture` and `geometry` must outlive the search. `aberration_px` is how far spherical aberration
@@ -63,12 +59,10 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns an upper bound of the share of each pixel that shows empty space after blurring, row by row. A
-/// bound of 1 or more means the whole pixel.
+/// Returns an upper bound of the share of each pixel that shows empty space after blurring, row by row.
 ///
-/// The bound is 1 for an empty pixel. For a pixel with samples, it is the number of empty pixels in the
-/// bounding square of the CoC, divided by the area of the CoC. `aberration_px` has the same meaning as in
-/// behind_fill.
+/// The bound is 1 for an empty pixel. Otherwise it is the empty area in the bounding square of the pixel's
+/// CoC, divided by the area of the CoC. It may exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

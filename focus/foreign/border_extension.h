@@ -13,10 +13,8 @@
 
 namespace postlens {
 
-/// Continues the surfaces of an image beyond its border. A surface extends as far outwards as it extends
-/// inwards, but not farther than its blur. Its colour and alpha are means over the inner part.
-///
-/// Neighbouring samples belong to one surface if are_one_surface returns true.
+/// Continues the surfaces of an image beyond its border, as far outwards as inwards, but not farther than
+/// their blur. Colour and alpha are means over the inner part.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
@@ -24,9 +22,8 @@ class BorderExtension {
 
     /// The window that contains the raster, the stored pixels and all continued samples.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to the samples that are continued into the pixel (x, y), which must lie outside the
-    /// raster and the stored pixels. Returns the index of the stored pixel that they come from, or nothing if
-    /// there are none.
+    /// Sets `stack` to the samples that are continued into the pixel (x, y), outside all known pixels.
+    /// Returns the index of their stored pixel, if any.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:

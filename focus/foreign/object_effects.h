@@ -22,11 +22,11 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses the
-/// true depths. Throws the errors of `choose_samples`.
+/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Throws the errors of
+/// `choose_samples`.
 ///
-/// An offset that would move an object behind the camera moves it to 1 mm in front. The warning `offset` is
-/// then added to picture.repairs.
+/// An offset moves an object at most to 1 mm in front of the camera. If it is larger, the warning `offset` is
+/// added to picture.repairs.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

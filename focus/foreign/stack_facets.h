@@ -16,8 +16,8 @@
 
 namespace postlens {
 
-/// Returns whether samples of neighbouring pixels belong to one surface. Their CoC radii must differ by less
-/// than a pixel (above 16 px, by less than a 16th of the radius). Their ids must be equal or missing.
+/// Returns whether samples of neighbouring pixels belong to one surface. Their ids must be equal or missing.
+/// Their CoC radii must differ by less than a pixel, or by less than a 16th above 16 px.
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
 /// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
@@ -31,8 +31,8 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image as quadrilaterals, sorted by pixel. Neighbouring quadrilaterals of one surface
-/// have the same depth at common corners. Estimated surfaces behind edges and beyond the border are included.
+/// The samples of an image as quadrilaterals, sorted by pixel, with estimated surfaces behind edges and
+/// beyond the border. Neighbours of one surface have the same depth at common corners.
 class Facets {
   public:
     /// `behind` has the estimated surface behind each pixel of `p`, or is empty. `border` must have been
@@ -62,7 +62,7 @@ class Facets {
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
     /// Sets each corner depth of `f` to the mean depth of the samples of its surface that meet there. Several
-    /// threads may call this function, because it does not read corner depths of neighbours.
+    /// threads may call this function.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

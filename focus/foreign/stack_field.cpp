@@ -65,11 +65,10 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 
 /// Returns whether a facet (quadrilateral of a sample) is opaque in a view. The fraction of such views equals
 /// its alpha (stochastic transparency).
-///
-/// Each view compares alpha with another threshold of a van der Corput sequence, scrambled with the facet's
-/// seed. Facets behind each other are thus opaque independently, and their transmittances multiply.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
+    // Compare alpha with a van der Corput sequence over the views, scrambled with the facet's seed. Facets
+    // behind each other are thus opaque independently.
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
     const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
     return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
@@ -201,7 +200,7 @@ class Band {
     }
 
     /// Returns whether a point lies in one of the two triangles of the quadrilateral, which may have either
-    /// orientation. Points on the sides count as inside, so that neighbours leave no cracks.
+    /// orientation. Points on the sides count as inside, to avoid cracks.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
@@ -223,9 +222,8 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the premultiplied colours of the nearest opaque quadrilateral and all quadrilaterals in front of
-    /// it. Each is visible with a probability equal to the transmittance in front of it. On average, the sum
-    /// equals compositing with "over".
+    /// Adds the premultiplied colours of the nearest opaque quadrilateral and of those in front of it. On
+    /// average, the sum equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {

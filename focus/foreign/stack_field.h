@@ -40,27 +40,20 @@ struct StackField {
     /// The mean of the views, with premultiplied colours and alpha. Alpha is a random estimate, so it may
     /// exceed 1.
     Image image;
-    /// Per pixel of the window, the fraction of views in which its content is unknown. Such a view looks past
-    /// the image's border or past the pixel's last sample. Empty space is not unknown.
+    /// Fraction of views that look past the image's border, or past all samples, at each pixel of the window.
+    /// Views that see empty space do not count.
     std::vector<float> unseen;
-    /// Per pixel of the window, the mean alpha over the views that the lens transmits. Holdouts count. On
-    /// average it is 1 minus `unseen`. In a pixel with empty space behind its samples, it is at least 1,
-    /// because empty space is not unknown.
+    /// Mean alpha of each pixel of the window over the views that the lens transmits, including holdouts. It
+    /// is at least 1 if there is empty space behind the samples.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
-/// Draws a view of the image from each lens point and returns the mean of the views.
+/// Draws a view of the image from each lens point and returns the mean of the views. `behind` is the
+/// estimated surface behind each pixel, or empty.
 ///
-/// Each sample is drawn as a quadrilateral, the square of its pixel. Its corners are reprojected with the
-/// mean inverse depth of the samples of its surface that meet there (are_one_surface).
-///
-/// A view shows the nearest opaque quadrilateral at one sample point per pixel. A quadrilateral is opaque in
-/// a random fraction of the views that equals its alpha (stochastic transparency [enderton2010]). On average,
-/// this equals compositing with "over" along each ray.
-///
-/// `behind` has the estimated surface behind each pixel, or is empty. Samples at the border are continued
-/// beyond it (BorderExtension).
+/// Each sample is drawn as a quadrilateral, the square of its pixel. It is opaque in a random fraction of the
+/// views that equals its alpha (stochastic transparency [enderton2010]).
 ///
 /// The result is bit-identical for any number of threads and any `drawn`. Throws Error(wrong_arguments) if
 /// the number of views is out of range. Throws Error(out_of_memory).
@@ -68,7 +61,7 @@ struct StackField {
                                      const StackFieldSettings& settings);
 
 /// Divides the colours and alpha of each pixel by StackField::covered, so that views past the image do not
-/// darken it. Alpha is limited to 1. Pixels with `covered` = 0 do not change.
+/// darken it. Pixels with `covered` = 0 do not change.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -34,12 +34,11 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // `seen` is the share of the sample's light that the pinhole sees, `hidden` the share that other surfaces
-    // hide. Light that the same surface hides is excluded, because no lens point sees it.
+    // `seen` is the share of the sample's light that the pinhole sees, `hidden` the share behind other
+    // surfaces. No lens point sees light that the same surface hides.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered` is the part of `hidden` that no lens point sees, because the surface in front moves together
-    // with this one. `apart` is 0 for surfaces that move together, and 1 for those that move independently.
-    // If the samples in front are translucent, it is computed as in `composite`.
+    // `covered` is the part of `hidden` that no lens point sees, because the surface in front moves with this
+    // one. `apart` is 1 for surfaces that move independently, otherwise less.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {

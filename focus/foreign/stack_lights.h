@@ -15,11 +15,8 @@ namespace postlens {
 /// What is converted to light: a sample's colour, or its alpha as the value of all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts stacks of samples, one at a time.
-///
-/// T is the transmittance in front of a sample, the product of (1 - alpha) of all samples in front. The
-/// visible share of the sample is T alpha, its hidden share (1 - T) alpha. Its premultiplied colour is
-/// divided in the same ratio. Empty space fills the rest of the pixel.
+/// Converts stacks of samples, one at a time. With the transmittance T in front of a sample, the pinhole sees
+/// T times its light, and 1 - T is hidden.
 ///
 /// Samples form one surface if their signed CoC radii differ by less than a pixel (above 16 px, by less than
 /// a 16th of the radius).
@@ -30,8 +27,7 @@ class StackLights {
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
     /// Converts the samples of a pixel in column `x` and appends the light to `out`.
-    /// - `fills`: the last sample has the weight of an opaque one, although it is translucent; used if only
-    ///   empty space lies behind the pixel and its neighbours
+    /// - `fills`: whether the last sample counts as opaque, because only empty space lies behind it
     /// - `open`: the stack's transmittance_behind
     /// - `behind`: the estimated surface behind the stack, or null
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
@@ -46,9 +42,9 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths of a sample, in 1/m. They differ if an effect changes the blur of an object.
+    /// Two inverse depths of a sample, in 1/m. They differ if an effect changes an object's blur.
     /// - `order`: depth for compositing
-    /// - `spread`: depth that determines the CoC
+    /// - `spread`: depth for the CoC
     struct Depths {
         double order = 0, spread = 0;
     };

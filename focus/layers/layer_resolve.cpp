@@ -8,8 +8,8 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If the weights of a reflection or refraction add up to less than this at a pixel, Chain::stand_in is
-/// blended in. It is the same radiance, scattered with the kernels of the mirror or glass.
+/// Sum of weights of a reflection or refraction at a pixel, below which Chain::stand_in is blended in. It is
+/// the same radiance, blurred like the mirror or glass.
 constexpr double enough_weight = 0.05;
 
 /// The light of a path (sequence of reflections and transmissions) at a pixel.
@@ -28,11 +28,11 @@ SurfaceLight light_of(const LayerTerm* term) {
 }
 
 /// Adds the radiance of a path (sequence of reflections and transmissions) to the surface that shows it.
-/// `mask` is the part of the surface that shows the path. The radiance is assumed to pass through the same
-/// lens points as the surface's own light.
+/// `mask` is the part of the surface that shows the path.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
+    // The radiance is assumed to pass through the same lens points as the surface's own light.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
@@ -47,9 +47,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Computes the light of one surface at a pixel, or nothing if no light reaches the pixel.
-/// - `seen`: sums over the records that the pinhole sees; may be null
-/// - `hidden`: sums over all other records; may be null
+/// Computes the light of one surface at a pixel. Returns nothing if there is none.
+/// - `seen`: sums over the records that the pinhole sees, or null
+/// - `hidden`: sums over all other records, or null
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -58,9 +58,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Computes the light of all surfaces seen along one path (sequence of reflections and transmissions), one
-/// fragment per surface. A fragment includes the light of longer paths, from `longer`, that pass over its
-/// surface. Returns the sum of the weights of `terms`.
+/// Computes the light of all surfaces seen along one path (sequence of reflections and transmissions),
+/// including its continuations in `longer`. Returns the sum of the weights of `terms`.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -105,7 +104,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The path now has the radiance of a longer path, so stand_in is not needed.
+        // The radiance of the longer path replaces stand_in.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

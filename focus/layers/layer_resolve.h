@@ -25,16 +25,12 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes the light of a surface at a pixel from the sums of its parts: its own light, and the light of
-/// each path (sequence of reflections and transmissions). The sums must be in the order of LayerPart. Returns
-/// nothing if no light of the surface itself reaches the pixel.
+/// Computes the light of a surface at a pixel: its own light, and the light of each path (sequence of
+/// reflections and transmissions). `terms` must be in the order of LayerPart. Returns nothing if no light of
+/// the surface itself reaches the pixel.
 ///
-/// The nodes of a path form an image of their own, scattered with their own kernels. The mask of a path is
-/// the share of the surface that shows it. The mask is scattered with the surface's kernels, so that the
-/// outline of a mirror is blurred like the mirror.
-///
-/// The blurred mask of a mirror may reach pixels that no node of the reflection reaches. There, the
-/// reflection's colours are scattered with the mask's kernels.
+/// A mask is the share of a surface that shows a path. It is blurred like the surface, so that the outline of
+/// a mirror does not get the blur of its reflection.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

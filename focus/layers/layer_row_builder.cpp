@@ -7,8 +7,8 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed at multiples of a quarter pixel or a whole pixel. More
-/// samples then share a kernel and are merged. Blurred edges do not change visibly.
+/// CoC radii, in px, from which samples are placed at multiples of a quarter or whole pixel, to share
+/// kernels. Blurred edges do not change visibly.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// Radii, in px, for which NodeResponses::phases chooses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
@@ -24,14 +24,13 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// Returns the factor that converts the position at which light arrives, in px, to a linear least-squares
-/// estimate of its lens point, in lens radii.
+/// Returns the factor that converts the position at which light arrives, in px, to its lens point, in lens
+/// radii. It is a least-squares estimate: covariance / variance.
 ///
-/// Light through the point q of the unit disc arrives at R q + S |q|^2 q, where R is the CoC radius and S the
-/// spherical aberration. The factor is the covariance of this position and q, divided by the variance of the
-/// position. Along each axis:
-/// - covariance: R / 4 + S / 6
-/// - variance: R^2 / 4 + R S / 3 + S^2 / 8 + 1 / 12, where 1 / 12 is due to the extent of a pixel
+/// Light through the point q of the unit disc arrives at R q + S |q|^2 q, with R = CoC radius and S =
+/// spherical aberration. Along each axis:
+/// - covariance of position and q: R / 4 + S / 6
+/// - variance of the position: R^2 / 4 + R S / 3 + S^2 / 8 + 1 / 12 (1 / 12 for the extent of a pixel)
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m, double spherical_px) {
     const double r = signed_radius_px(geometry, inverse_depth_per_m), s = spherical_px;
     return (r + 2 * s / 3) / (r * r + 4 * r * s / 3 + s * s / 2 + 1.0 / 3);
@@ -79,9 +78,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges splats of a pixel that have the same LayerPart (group of splats) and kernel. A small hash table
-// finds candidates. The hash is that of the kernel's key. The kernel's number would make the image depend on
-// the timing of threads.
+// Merges splats of a pixel that have the same LayerPart (group of splats) and kernel. The hash table uses the
+// kernel's key, because its number depends on the timing of threads.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -136,8 +134,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// The far side of a glass object ends where its near side ends. What is seen through it is thus blurred with
-// the kernel of the near side. The kernel of the far side's own reprojection matrix could be far too large.
+// What is seen through the far side of a glass object is blurred with the kernel of the near side. The far
+// side has no outline, and its kernel could be far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {

@@ -56,8 +56,8 @@ class LayerSplats::RowBuilder {
     /// Returns the node whose kernel blurs the outline of the node `from`. For the far side of a glass
     /// object, this is the near side; otherwise it is `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path to the node `met`: the share of the parent node `from` that shows it. The
-    /// mask is blurred like the parent. `from` must have been added before.
+    /// Adds the mask of the path to the node `met`: the share of the parent node `from` that shows it. It is
+    /// blurred like the parent.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

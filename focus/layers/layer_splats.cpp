@@ -119,8 +119,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by LayerPart (group of splats) and tile, in a stable order. Then appends the
-// row's runs, the splats of one part in one tile, to `runs`.
+// Sorts the splats of a row by LayerPart (group of splats) and tile, in a stable order. Then appends the runs
+// (splats of one part in one tile) to `runs`.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -164,7 +164,7 @@ void LayerSplats::find_reach(LayerCell& cell) const {
     }
 }
 
-// Finds the runs and the cells of a row of tiles.
+// Finds the cells of a row of tiles, and their runs (splats of one cell in one row).
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<PlacedRun>> by_row(last_row - first_row);

@@ -23,7 +23,7 @@ namespace postlens {
 
 /// Identifies a surface. A ray may hit several surfaces of one object.
 /// - `id`: number of the object
-/// - `before`: number of surfaces of this object in front of this one
+/// - `before`: number of its surfaces in front of this one
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -31,9 +31,8 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies a group of splats that are summed together. They belong to a surface, or to the light that it
-/// reflects or transmits along one path. Groups are sorted by surface, then by path; a path comes before
-/// longer paths that begin with it.
+/// Identifies a group of splats that are summed together: those of a surface, or of what it reflects or
+/// transmits along one path. Sorted by surface, then by path.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -44,8 +43,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface seen along the path or, for a mask, the surface that reflects or transmits it. It is empty
-    /// for `outer_mask`, and for masks of the first surface on the eye ray.
+    /// The surface seen along the path or, for a mask, the surface that shows the path. It may be empty for
+    /// masks.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -60,7 +59,7 @@ struct LayerSplat {
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
     /// Converts positions in the kernel to lens points. Light that arrives d px from the anchor (x, y)
-    /// passed, on average, through the lens point d * lens_per_px, in lens radii.
+    /// passed, on average, through d * lens_per_px, in lens radii.
     float lens_per_px = 0;
     /// The part of `weight` that no lens point sees. A surface in front, which moves together with this one
     /// over the lens, hides it (Fragment::covered).
@@ -103,17 +102,15 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must contain their records, and
-    /// those of the row above and the row below, if any. Throws Error(invalid_input) if a quadtree is
-    /// damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their records and, if any, those
+    /// of the rows above and below. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
     /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
-    /// add_pixels. `known` is the window of the corners of the image's pixels; samples beyond it are
-    /// estimated.
+    /// add_pixels. `known` is the window of the corners of the image's pixels.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -124,8 +121,8 @@ class LayerSplats {
     /// Builds the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
-    /// is added. Splats are not stored before finish(), because each strip adds its rows again.
+    /// Prepares an image that is made in strips (groups of rows), to save memory. Call it before the first
+    /// row is added. Each strip then adds its rows again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -170,11 +167,11 @@ class LayerSplats {
         double largest_radius_px = 0;
         RadianceRange colours;
     };
-    /// A run, its part and its tile.
+    /// A run (splats of one part in one row of a tile), with its part and its tile.
     struct PlacedRun;
     void sort_row(std::size_t index, std::vector<PlacedRun>& runs);
     std::vector<LayerCell> join(std::size_t tile_row);
-    /// Joins the tile rows [joined_, end).
+    /// Sorts the splats of the tile rows [joined_, end) into cells.
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();

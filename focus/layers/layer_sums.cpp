@@ -43,15 +43,14 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and additional values from which LayerSums::lens_at() computes lens moments
-/// (sums of light times lens point).
+/// The values of PlainValues, and those for lens moments (sums of light times lens point).
 struct LensValues {
     static constexpr std::size_t count = LayerSums::lens_values;
     PlainValues plain;
     FourDoubles moments;  ///< the last two values of `plain`, times x and times 1
 
     LensValues() = default;
-    /// `x` is the column of the splat's anchor, relative to the upper left corner of the block.
+    /// `x` is the column of the splat's anchor, within the block.
     LensValues(const LayerSplat& s, int x) : plain(s, x) {
         const double column = x;
         moments =
@@ -84,8 +83,8 @@ constexpr std::size_t longest_run = 64;
 /// the run's ends.
 constexpr std::size_t padding = 4;
 
-/// Returns how many of the first splats one call of add_run can add. They must have the same kernel, whose
-/// extent is `reach`, and adjacent anchors, and reach the pixels `rows`.
+/// Returns how many of the first splats one call of add_run can add. They must have the same kernel (of the
+/// extent `reach`), adjacent anchors, and reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -100,8 +99,7 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
 }
 
 /// Adds to each of `count` pixels the sum over all taps of values[pixel - tap] times taps[tap]. The number of
-/// taps is a template argument, because most kernel rows have so few that a loop over them takes longer than
-/// the sums.
+/// taps is a template argument: a loop over the usual two to four taps takes longer than the sums.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, double y,
                                                         int count, double* pixels) {
@@ -112,9 +110,8 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
     }
 }
 
-/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. The convolution begins
-/// at the pixel `first`, to which the first value times the first tap is added. At least `padding` values of
-/// 0 precede `values` in memory, and as many follow.
+/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. Its first value belongs
+/// to the pixel `first`. At least `padding` zeros precede and follow `values` in memory.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
@@ -162,7 +159,7 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 }
 
 /// Adds adjacent splats that share a kernel to one row of the block.
-/// - `x`, `y`: position of the first splat's anchor in the block
+/// - `x`, `y`: position of the first splat in the block
 /// - `sums`: values of the pixels
 /// - `changes`: differences between neighbouring pixels
 template <typename Values>

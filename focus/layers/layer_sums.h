@@ -12,16 +12,15 @@ namespace postlens {
 
 /// Sums of colour, weight and depth, each multiplied by the kernel, for each pixel of a block.
 ///
-/// The uniform interior of a kernel row is stored as differences between neighbouring pixels. The cost of a
-/// splat is thus proportional to the length of its kernel's outline.
+/// The uniform interior of a kernel row is stored as differences between pixels. A splat thus costs the
+/// length of its kernel's outline.
 class LayerSums {
   public:
-    /// Values per pixel without and with lens moments. Vectors of eight values fit into one register of
-    /// AVX-512.
+    /// Values per pixel without and with lens moments. Eight values fill one AVX-512 register.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
-    /// Samples lie `from_anchor_px` to the right of and below their anchors (integer raster positions).
+    /// Sets the sums of the pixels of `rows` to 0. `with_lens` adds lens moments. Samples lie
+    /// `from_anchor_px` right of and below their anchors (integer raster positions).
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats of one row of samples, with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
@@ -33,8 +32,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns the lens moments of the colours and weights that `at` returns. In a lens moment, each term of
-    /// the sum is multiplied by the lens point through which its light passed, in lens radii.
+    /// Returns the lens moments of the sums that `at` returns: each term times the lens point, in lens radii,
+    /// through which its light passed.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:
@@ -48,9 +47,10 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;  ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = plain_values;
-    /// Values of each pixel: red, green, blue, weight, depth, covered weight, sum of colours C and weight W
-    /// times LayerSplat::lens_per_px. With lens moments, C x, W x, C y and W y follow, where (x, y) is the
-    /// splat's position relative to the upper left corner of rows_.
+    /// Values of each pixel. C is red + green + blue, C' and W' are C and the weight times
+    /// LayerSplat::lens_per_px, and (x, y) is the splat's position in rows_:
+    /// - red, green, blue, weight, depth, covered weight, C', W'
+    /// - with lens moments also C' x, W' x, C' y, W' y
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

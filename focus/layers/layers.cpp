@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, in px. The sums of a pixel need up to 192 B, so those of a block fit into the L2 cache.
+/// Width of a block, in px. The sums of a block, up to 192 B per pixel, fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments (surfaces at a pixel) in memory at a time. Each fragment and its sums need
-/// about 200 B. A block with more fragments is processed in parts of a few rows.
+/// Largest number of fragments (surfaces at a pixel) in memory at a time, at about 200 B each. Blocks with
+/// more fragments are divided into groups of rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 /// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. If each channel has its own
@@ -46,7 +46,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
 }
 
 /// Returns whether a part needs lens moments, which state through which side of the lens light passes. Only
-/// the surface itself is composited by depth and needs them, not its reflections and transmissions.
+/// the surface itself needs them, because only it is composited by depth.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

@@ -14,9 +14,8 @@ inline constexpr int layers_block_px = 64;
 /// Blocks outside `wanted` are skipped. The result is bit-identical for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// Returns how many sums layers() computes for the whole image. Each block needs one sum per part of a
-/// surface and pixel that this part may reach. The sums take most of the time where many surfaces are widely
-/// blurred.
+/// Returns how many sums layers() computes for the whole image: one per part of a surface and pixel that it
+/// may reach. They take most of the time if much is widely blurred.
 [[nodiscard]] double layer_sums(const LayerSplats& splats);
 
 /// Computes the same image as layers(), by evaluating every impulse response at every pixel. It is a slow

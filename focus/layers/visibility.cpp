@@ -14,8 +14,7 @@ double independence(double radius_px, double other_px) {
 namespace {
 
 /// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q. `tilt` is
-/// the mean of S(q) q over the lens, in lens radii. The factor 4 compensates for the variance 1/4 of q along
-/// each axis.
+/// the mean of S(q) q. The factor 4 is due to the variance 1/4 of q.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -25,9 +24,10 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of some light that is transmitted, from 0 to 1. `sum` is the amount of light.
-    /// `moment` is the sum of light times the lens point through which it passed.
+    /// Returns the fraction of some light that is transmitted, from 0 to 1. `sum` is the amount of light,
+    /// `moment` the sum of light times its lens point.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
+        // For linear functions S and E, the mean of S(q) E(q) over the lens is s e + 4 s_q . e_q.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -57,8 +57,8 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Rounding errors would decide the order of surfaces in one plane, so the smaller alpha comes first.
-    // Otherwise, a wall that fills the pixel could hide an emitter on the wall.
+    // Of surfaces in one plane, the one with the smaller alpha comes first. Otherwise, rounding errors could
+    // let a wall hide an emitter on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -75,9 +75,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// The part of a surface's light that surfaces in front do not hide. `add` multiplies `light` by `times` and
-/// by the transmittance `open`, and adds it. Colour and alpha are attenuated separately, with their own lens
-/// moments.
+/// The part of a surface's light that surfaces in front do not hide. Colour and alpha are attenuated
+/// separately, with their own lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -90,8 +89,8 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Lens moment of the product of light and transmittance. Each factor is a linear function of the lens
-        // point, and the quadratic term of the product is omitted.
+        // Lens moment of light times transmittance. Both are linear functions of the lens point, and the
+        // quadratic term is omitted.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
@@ -135,14 +134,13 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // Limit the coverage by this surface. It is at most the uncovered share of the lens. It is at least
-        // the surface's own alpha minus the coverage by the surfaces in front (or f.covered, if larger).
+        // The surface covers at most the uncovered share of the lens. It covers at least its own alpha minus
+        // the coverage in front (or f.covered, if larger).
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // A reduced alpha reduces the light in the same ratio. An increased alpha restores a fraction of the
-        // hidden light. Scaling up the remaining light could make a pixel arbitrarily bright if its alpha is
-        // almost 0.
+        // A reduced alpha reduces the light in the same ratio. An increased alpha restores hidden light.
+        // Scaling up the remaining light could make a pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)

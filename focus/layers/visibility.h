@@ -14,15 +14,16 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Lens moments of a surface's light. The colour channels share one moment: where one side of the lens sees
-/// another colour than the other side, the brightness differs far more than the hue.
+/// Lens moments of a surface's light. The colour channels share one: over the lens, the brightness of a
+/// surface changes more than its hue.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
 };
 
-/// Light of a surface at a pixel, without occlusion. `alpha` is the share of the pixel that the surface
-/// covers, as a mean over the lens. `rgb` is the colour times alpha.
+/// Light of a surface at a pixel, without occlusion.
+/// - `alpha`: share of the pixel that the surface covers, mean over the lens
+/// - `rgb`: colour times alpha
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
     std::array<double, 3> rgb{};
@@ -42,27 +43,19 @@ struct Fragment {
     double covered = 0;  ///< part of hidden.alpha that no lens point sees, because its occluder moves with it
 };
 
-/// Returns how independently two surfaces move when the lens point moves, from 0 to 1. r1 and r2 are the
-/// signed radii of their circles of confusion, and 1 is the width of a pixel, in px:
+/// Returns how independently two surfaces move when the lens point moves, from 0 to 1. For the signed CoC
+/// radii r1 and r2, in px, it is:
 ///
 ///     min(1, |r1 - r2| / (max(|r1|, |r2|) + 1))
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// Composites the fragments (surfaces) of a pixel and divides by their total coverage. Each must have
-/// positive alpha. Without fragments the result is black. Sorts the fragments by depth, nearest first.
-/// Fragments in one plane are sorted by alpha, smallest first.
+/// Composites the fragments (surfaces) of a pixel with "over" [porter1984] at each lens point, and divides by
+/// their total coverage. Sorts them by depth. All must have positive alpha. Without fragments the result is
+/// black.
 ///
-/// The result is "over" [porter1984], applied at each lens point q. T(q) is the transmittance in front of a
-/// fragment, E(q) its light. Both are linear in q, with the means t and e and the moments t_q and e_q. As q
-/// is uniform over the unit disc (variance 1/4 along each axis):
-///
-///     T(q) = t + 4 t_q . q,  mean of T(q) E(q) = t e + 4 t_q . e_q.
-///
-/// A blurred edge that covers one side of the lens thus attenuates only light through that side.
-///
-/// Surfaces with the same circle of confusion move together when the lens point moves. They thus do not
-/// attenuate each other's visible parts (see independence), and their hidden parts stay hidden
-/// (Fragment::covered).
+/// A blurred edge that covers one side of the lens attenuates only light through that side. Surfaces with the
+/// same circle of confusion move together over the lens, and do not attenuate each other's visible parts (see
+/// independence).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -131,13 +131,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A mirror and its reflection move differently on the raster. A negative follow_px makes them be drawn
+    // A mirror and its reflection move differently on the raster. With a negative follow_px, they are drawn
     // separately.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // If something moves, the views show two kinds of highlights instead: reflections in moving objects, and
-    // large highlights on moving surfaces.
+    // If something moves, views instead of impulse responses show reflections in moving objects, and large
+    // highlights on moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -277,8 +277,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
                                const Crop& part) {
         surfaces.show(field);
         // Highlights and rays need all surfaces that any lens point sees. With rays, the number of
-        // reflections in a piece (square of the image) decides how it is drawn. Counting them for the whole
-        // lens makes all calls decide alike.
+        // reflections decides how a piece (square of the image) is drawn.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

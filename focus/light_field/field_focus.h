@@ -35,8 +35,8 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels in which scattering is exact may be left out: nothing moves there, and all views see
-    /// one surface. They are left out only if they make up at least this share of the image.
+    /// If set, pixels are left out where `scatter` is exact: nothing moves, and all views see one surface.
+    /// Their share of the image must be at least this.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// The pixels of the window to draw; all other pixels are undefined. They are bit-identical to those of
@@ -46,9 +46,7 @@ struct FieldFocusSettings {
     /// Memory limit for the surfaces, in bytes. Above it, the image is drawn in strips (groups of rows), with
     /// bit-identical results.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays where the records do not determine what a view sees. If null, no rays are traced. With
-    /// rays, no pixel remains unknown. A highlight is then spread by its impulse response only if all rays
-    /// that hit it get the same radiance.
+    /// Traces rays where the records do not determine what a view sees. If null, no rays are traced.
     const SightRays* rays = nullptr;
 };
 
@@ -63,8 +61,8 @@ struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether a square piece of the image is drawn. If empty, all pieces are drawn. Other pieces are
-    /// filled from the pixels around them.
+    /// Returns whether a square piece of the image is drawn. Other pieces are filled from the pixels around
+    /// them. If the function is empty, all pieces are drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
     // The following functions are only used with rays (see PatchViews).
@@ -102,8 +100,8 @@ class FieldFocuser {
     /// Returns the instant at which the fraction `u` (0 to 1) of the exposure's light has passed the shutter.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image that show a single surface and are therefore left out. Returns nothing if
-    /// all pixels must be drawn. If `strips` is given, its surfaces are used.
+    /// Finds the parts of the image that show a single surface and are left out. Returns nothing if all
+    /// pixels must be drawn. Uses the surfaces of `strips`, if given.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

@@ -20,11 +20,10 @@ constexpr double spread_from_px = 2;
 /// Limit for the smaller semi-axis of a highlight's CoC, in px. Below it, the whole lens sends the
 /// highlight's light to a single pixel.
 constexpr double seen_by_all_px = 0.5;
-/// A sharp highlight is spread by its impulse response only if the highlights of its sheet (surface within 16
-/// x 16 px) have a smaller total area than this, in px^2:
-/// - sharp_px2 if nothing hides a part of them
-/// - small_px2 for partly hidden ones in mirrors or behind glass
-/// - 0 for others
+/// Limits, in px^2, for the total area of the highlights of a sheet (surface within 16 x 16 px). Only below
+/// them are sharp highlights spread by their impulse responses.
+/// - sharp_px2: nothing hides a part of them
+/// - small_px2: partly hidden, in a mirror or behind glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Highlights of one surface are merged within squares of this edge, in px.
 constexpr float merged_px = 0.5F;
@@ -34,9 +33,10 @@ constexpr int most_halvings = 2;
 /// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The slope of the sRGB curve is 12.92
 /// there.
 constexpr double invisible = 0.5 / 255 / 12.92;
-/// Neighbouring moving highlights are merged within squares. Each square gives one light source per instant,
-/// so squares are larger if there are more instants: 1/8 px up to moments_of_eighths, 1/4 px up to
-/// moments_of_quarters, merged_px above.
+/// Moving highlights are merged within squares, which grow with the number of instants. Their width is:
+/// - 1/8 px up to moments_of_eighths instants
+/// - 1/4 px up to moments_of_quarters instants
+/// - merged_px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// Limit for the number of light sources of moving highlights, which have one source per instant. Above it,
 /// each highlight gets fewer instants, but at least least_moments.
@@ -55,20 +55,19 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. The
-/// surface looks larger from one side of the lens, so more light passes through that side. `slope` is the
-/// inclination (Highlight::slope).
+/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. More light
+/// passes through the side of the lens that sees it larger.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px is halved for a highlight that does not move. Spreading all light of a square
-/// from one point must cause no visible error.
+/// Returns how often merged_px is halved for a highlight that does not move, so that merging causes no
+/// visible error.
 ///
-/// A square with the edge a and the radiance L adds L a^2 / A to its CoC of the area A. Merging displaces its
-/// light by a / 4 on average at the rim. A pixel at the rim thus lacks up to a / 8 of this radiance.
+/// A square of edge a and radiance L has the radiance L a^2 / A in its CoC of area A. Merging may take a / 8
+/// of it from a pixel at the rim of the CoC.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -109,9 +108,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Partly hidden, sharp highlights in a mirror are left to the views: an impulse response cannot show
-        // that a surface in the mirror hides a part. Very small ones are spread, because few views would hit
-        // them.
+        // Views show partly hidden, sharp highlights in a mirror, because an impulse response ignores what
+        // hides them. Few views would hit very small ones.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
         // The views show partly hidden highlights that are sharp. They also show those wider than their blur,
         // whose parts need different shadows of a nearer surface.

@@ -16,17 +16,16 @@
 
 namespace postlens {
 
-/// Returns the rule that selects the highlights to be spread by their impulse responses. In the mean of a few
-/// views, a blurred highlight would appear as separate copies, one per view. No highlight is selected if the
-/// impulse response varies over the image or has spherical aberration.
+/// Returns the rule that selects the highlights to be spread by their impulse responses. The mean of a few
+/// views would show copies of them. None are selected if the impulse response varies or has spherical
+/// aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// The highlights that were taken out of the recorded surfaces. A pixel receives their light through one lens
-/// point each, if that lens point sees the highlight.
+/// Highlights that were taken out of the recorded surfaces, to be spread by their impulse responses. A pixel
+/// gets a highlight's light through one lens point, if that point sees the highlight.
 ///
-/// Visibility is exact for the brightest highlights of a tile, if they do not move and are seen directly. The
-/// nearer surfaces are rasterised along the rays from the highlight (PointRays). For other highlights, the
-/// views nearest to the lens point and the instant decide.
+/// Visibility is exact for the brightest highlights of a tile that do not move and are seen directly. For
+/// other highlights, the views nearest to the lens point decide.
 class FieldHighlights {
   public:
     /// - `sheets`: the surfaces whose highlights are spread; must outlive this object
@@ -36,17 +35,15 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the light of the highlights for one set of views. The result keeps a reference to this object.
-    /// - `set`: number of the set, and random seed of the positions at which visibility is sampled
+    /// Returns the light of the highlights for one set of views. Keeps a reference to this object.
+    /// - `set`: number of the set, and random seed
     /// - `instants`: for each view, the fraction of the exposure that has passed; may be empty if nothing
     ///   moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
-    /// (Lights::aim). Each connects a random point of a highlight with a lens point from which the pixel sees
-    /// it. For sharp moving highlights, it is a random line through the pixel at an instant when the
-    /// highlight is near.
+    /// (Lights::aim). For sharp moving highlights, they are random lines through the pixel.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the sources (merged highlights) whose light may reach a rectangle of the image.
@@ -57,7 +54,7 @@ class FieldHighlights {
     class OverViews;
     /// A highlight that is merged with others into a source, which is spread like a point of light.
     /// - `at`: centre of the square highlight, in px relative to the source
-    /// - `area_until`: total area of this highlight and those before it in the source, in px^2
+    /// - `area_until`: total area up to this highlight of the source, in px^2
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -88,8 +85,8 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// A group of neighbouring highlights whose light reaches a tile (square of the image). Visibility is
-    /// sampled at `samples` positions per pixel. If `samples` is 0, the views decide.
+    /// Neighbouring highlights whose light reaches a tile (square of the image). Visibility is sampled at
+    /// `samples` positions per pixel, or by the views if it is 0.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -16,8 +16,8 @@ namespace {
 /// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. Kernels may
 /// exceed the CoC, because their sizes are rounded.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A surface stays in memory for later strips if some view shows it more than far_px above or below its
-/// square of the raster (SheetMesh::square_px). Together, such surfaces need at most most_far_bytes.
+/// A surface stays in memory for later strips if some view displaces it by more than far_px vertically.
+/// Together, such surfaces need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 

@@ -41,17 +41,15 @@ using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMe
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces for one strip (group of rows) of an image at a time, to save memory. A strip gets all
-/// surfaces that any view may show in it.
+/// Reads the surfaces for one strip (group of rows) of an image at a time, to save memory.
 ///
-/// The first read measures how far views displace each surface, and keeps the few that are displaced far.
-/// Later reads need only the rows close to the strip.
+/// The first read keeps the few surfaces that views displace far. Later reads need only the rows close to the
+/// strip.
 class FieldStrips {
   public:
     /// Keeps references to its arguments.
     /// - `views`: the light field and its views, without surfaces
-    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px; it limits how far
-    ///   blur carries the light of a highlight
+    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px
     /// - `motion`: null if no highlight moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
@@ -61,7 +59,7 @@ class FieldStrips {
     /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
     void visit(std::size_t instant, const SurfacesVisit& visit);
     /// Divides the window into strips of whole rows of tiles (squares of the image). A strip has at most
-    /// `most_records` records, or a single row of tiles.
+    /// `most_records` records, unless a single row of tiles has more.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 

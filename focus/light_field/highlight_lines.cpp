@@ -12,7 +12,7 @@
 namespace postlens {
 namespace {
 
-/// Number of attempts to find a lens point for a line.
+/// Number of attempts to find a lens point for a line of sight.
 constexpr int attempts = 256;
 /// Factor for the number of lines aimed at sharp moving highlights near a pixel. Many of these lines miss the
 /// highlight.
@@ -157,8 +157,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
         // For a response smaller than a pixel, choose a random lens point and compute the position in the
-        // pixel. For a larger response, do the reverse. Otherwise few lines would pass through both the pixel
-        // and the lens.
+        // pixel. Otherwise do the reverse, so that few lines miss.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

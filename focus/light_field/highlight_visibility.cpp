@@ -20,17 +20,16 @@ namespace {
 
 /// A surface hides a highlight if its inverse depth 1/z' is larger by more than this factor.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile (square of the image), relative to drawing one view
-/// of it. If the tile has more views than this, the limit is their number.
+/// Limit for the cost of all visibility samples of a tile (square of the image), in views of the tile. It
+/// rises to the tile's number of views.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled. They differ in rows and columns.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// The points that represent a group of highlights, one for each visibility sample. They are relative to the
-/// group's centre, in standard deviations of the highlights' positions. Their mean is 0 and their variance 1
-/// along each axis.
+/// Points that represent a group of highlights, one per visibility sample, in standard deviations from the
+/// group's centre. Their mean is 0 and their variance 1 along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
 /// A nearer surface casts one shadow for each highlight of a group. A single shadow replaces them if the
@@ -69,15 +68,15 @@ class FieldHighlights::OverViews final : public Lights {
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
     /// The views that decide whether a highlight is visible.
-    /// - `nearest`: the views nearest to each cell of a table of `edge` x `edge` cells over the lens
-    /// - `all`: views of the whole lens, which decide for sharp highlights (Source::by_all)
+    /// - `nearest`: the views nearest to each of `edge` x `edge` cells over the lens
+    /// - `all`: views of the whole lens, for sharp highlights (Source::by_all)
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
     /// Returns the three views nearest to each of `edge` x `edge` cells over the lens. Distances are in lens
-    /// radii. `away2(view)`, the squared distance in time, is added to the squared distance.
+    /// radii; away2(view) is the squared distance in time.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -95,9 +94,8 @@ class FieldHighlights::OverViews final : public Lights {
     /// that see the group's centre.
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in
-    /// image px. The tested views are near the lens point through which the source's light reaches the pixel.
-    /// With Source::by_all, they are spread over the lens.
+    /// Returns the fraction of views that see the source. `at` is the pixel's centre in image px. Tested are
+    /// views near the lens point of the source's light or, with Source::by_all, all over the lens.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Returns whether one view sees the source at a pixel of the tile.
@@ -109,9 +107,8 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. The
-    /// distance of a view combines its distances on the lens and in time: the whole exposure counts as
-    /// `lens_radii_of_open` lens radii.
+    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. In
+    /// their distance, the whole exposure counts as `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -135,8 +132,8 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
         const auto of_cell = [edge](std::size_t i) {
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
-        // A view's distance in y from this row of cells is a lower bound of its distance from each cell.
-        // Views are visited in this order, until the bound exceeds the third-smallest distance.
+        // Views are visited by their distance in y, a lower bound of their distance from the cell. The search
+        // ends when it exceeds the third-smallest distance.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {
@@ -206,9 +203,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // Select the groups of highlights whose visibility is sampled, the brightest first. A sample draws the
-    // surfaces in front of a group. It costs the share of the tile that the group's light reaches, but at
-    // least least_cost.
+    // Select the groups of highlights whose visibility is sampled, the brightest first. A sample costs the
+    // share of the tile that the group's light reaches, but at least least_cost.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -242,10 +238,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which visibility is sampled:
-    // - it differs between groups, so that not all of them miss the same nearer surface
-    // - it differs between sets of views, so that the difference of their images shows the sampling error
-    // - it depends on the group's position, because the group's number depends on the crop
+    // Random offset of the positions at which visibility is sampled. It differs between:
+    // - groups of highlights, so that not all miss the same nearer surface
+    // - sets of views, so that the difference of their images shows the sampling error
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -321,8 +316,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // The highlights of a group share the visible share of each pixel if the group has visibility
-        // samples. They also share it if all views test it (by_all) and it does not move.
+        // The highlights of a group share the visible share of each pixel in two cases: visibility is
+        // sampled, or all views test it (by_all) and nothing moves.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

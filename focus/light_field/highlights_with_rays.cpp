@@ -36,9 +36,8 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// Light that fills at least this share of the squares within its blur is left to the views. Many views show
-/// it, so impulse responses hardly reduce the noise. With 0.5 instead of 0.9, `auto` took 0 to 70 % less time
-/// in four random scenes with a bright floor.
+/// Views show bright light that fills at least this share of its blur. With 0.5 instead of 0.9, `auto` took 0
+/// to 70 % less time in four random scenes.
 constexpr double filling = 0.5;
 
 /// Returns whether the bright light around a directly visible surface fills the squares within its blur.
@@ -57,9 +56,8 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the records contain all of a highlight's light, for every lens point. If it is seen
-/// directly, its hidden parts must be recorded. In a mirror or behind glass, it must have no hidden parts,
-/// and its reprojection must be accurate over the lens.
+/// Returns whether the records contain all of a highlight's light, for every lens point. In a mirror or
+/// behind glass, nothing may hide it, and its reprojection must be accurate.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -69,9 +67,8 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 /// Returns whether some lens points see a surface edge-on or from behind. The records then lack light that
 /// the lens sees.
 ///
-/// Rays through the pinhole measure the surface's slope at random points of `lights`, the directly visible
-/// highlights of object `id`. At least half of the slopes must be steep, because even a round surface is
-/// steep at its outline.
+/// Rays measure the slope at random points of `lights`, highlights of object `id`. At least half must be
+/// steep, because even a round surface is steep at its outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

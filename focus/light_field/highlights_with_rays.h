@@ -7,16 +7,14 @@
 
 namespace postlens {
 
-/// Restricts `rule`, which selects highlights, to those that a ray can recognise, and applies it to `sheets`.
-/// Returns the radiance of the selected highlights, which rays must leave out.
+/// Restricts `rule`, which selects highlights, to those that a ray can recognise. Returns their radiance,
+/// which rays must leave out.
 ///
-/// A ray knows which surface it hits, but not which part of it is selected. All radiance of a surface above
-/// the limit is therefore selected, or none. None is selected if:
+/// A ray knows only which surface it hits, so all bright light of a surface is selected, or none. None is
+/// selected if:
 /// - different rays get different radiance (SightRays::steady)
 /// - the records lack some of the surface's bright light
 /// - the light fills most of its blur, because many views then show it
-///
-/// If nothing moves, rays measure the edges of the highlights (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
                                            bool moves, HighlightRule& rule);
 

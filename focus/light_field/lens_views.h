@@ -28,12 +28,10 @@ struct LensViewPoint {
 void check_has_points(const Impulse& impulse);
 
 /// Returns the views [first, first + views) of a set. Their lens points are distributed like the aperture's
-/// transmittance. Lens points, pixel positions and instants come from a five-dimensional Sobol sequence
-/// [joe2008] with Owen scrambling [owen1995].
+/// transmittance. They come from a five-dimensional Sobol sequence [joe2008] with Owen scrambling [owen1995].
 ///
-/// Sets are scrambled independently. Half the squared difference between the means of two sets is an unbiased
-/// estimate of the squared error of either mean. Throws Error(wrong_arguments) if `views` is below 1 or the
-/// set would exceed most_lens_views.
+/// Sets are scrambled independently, so the difference of their means shows the noise. Throws
+/// Error(wrong_arguments) if `views` is below 1 or the set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

@@ -19,19 +19,18 @@
 namespace postlens {
 namespace {
 
-/// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
-/// covered area of a pixel has a standard deviation of about 0.007 px^2.
+/// Number of rays per pixel, along each axis, that measure the edge of a highlight. The measured area then
+/// has a standard deviation of about 0.007 px^2 per pixel.
 constexpr std::size_t edge_rays = 16;
-/// Area, in px^2, below which a light counts as small. It is measured with up to finest_rays x finest_rays
-/// rays near the recorded light, so that its area has an error of at most 1 %. The brightness of its circle
-/// of confusion is proportional to this area.
+/// Area, in px^2, below which a light counts as small. Up to finest_rays x finest_rays rays measure it, with
+/// an error of at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
 /// Number of squares, along each axis, into which the measured part of a pixel is divided. The hits within a
 /// square form one highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured with edge_rays x edge_rays rays, as a fraction of the pixels of
-/// all surfaces. At least least_measured pixels are allowed. If more contain an edge, none are measured.
+/// Largest number of pixels that are measured, as a fraction of the pixels of all surfaces, but at least
+/// least_measured. If more contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area in a pixel, in px^2, fill it.
@@ -59,7 +58,7 @@ struct Measured {
     glm::bvec2 low{false}, high{false};
 };
 
-/// The highlights of one surface on one path.
+/// The highlights of one surface, seen along one path (sequence of reflections and transmissions).
 struct BrightSurface {
     NodeIdentity node;
     std::span<const Highlight> lights;  ///< sorted by pixel
@@ -67,9 +66,8 @@ struct BrightSurface {
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
     /// Returns, in order, the pixels that an edge of the highlights may cross.
     ///
-    /// Leaves out pixels with partly hidden light, because rays through the pinhole do not reach the hidden
-    /// part. Unless the light is small, also leaves out pixels in mirrors and glass, and pixels with more
-    /// records than rays.
+    /// Leaves out partly hidden light, which rays through the pinhole do not reach. Unless the light is
+    /// small, also leaves out mirrors, glass, and pixels with more records than rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
     /// Returns the part of a pixel that light recorded in it or in neighbouring pixels may cover.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
@@ -271,9 +269,8 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// Returns where light that was measured in a part of a pixel continues: in a larger part of the pixel, or in
-/// the neighbours whose common border it crosses. Neighbours get as many rays as small lights, because fewer
-/// might miss a narrow light.
+/// Returns where light that was measured in a part of a pixel continues: in a larger part, or in neighbouring
+/// pixels. Fewer rays might miss narrow light there.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;

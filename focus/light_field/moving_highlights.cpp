@@ -14,9 +14,8 @@ constexpr int looks = 64;
 /// Largest motion of a highlight between two instants: step_px (in px), or step_of_blur times its CoC radius
 /// if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// A highlight has one instant in each equal interval of the exposure, in one of `turns` parts of the
-/// interval. The fractional part of x * turn_x + y * turn_y selects the part. The factors sqrt(5) and sqrt(5)
-/// - 1 give highlights a quarter or half a pixel apart different instants.
+/// A highlight has one instant in each interval of the exposure, in one of `turns` parts of it. The fraction
+/// of x * turn_x + y * turn_y selects the part, so that neighbours differ.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Limit for the position and the CoC radius of a highlight, in px. Highlights beyond it are ignored.

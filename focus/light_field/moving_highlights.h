@@ -18,9 +18,8 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// A moving highlight is spread as a streak of impulse responses only if the highlights of its sheet
-    /// (surface within a square of the raster) have a smaller total area than this, in px^2. Larger ones
-    /// already form streaks in the mean of the views.
+    /// Largest total area, in px^2, of moving highlights of a sheet (surface in a square of the raster) that
+    /// are spread as streaks. Views show larger ones as streaks.
     static constexpr float largest_px2 = 64;
     /// A highlight is spread as a streak only if its radiance exceeds the limit for highlights by this.
     /// Dimmer ones already look smooth in the mean of the views.
@@ -47,15 +46,15 @@ class HighlightMotion {
     /// Returns how many instants a highlight needs for a continuous streak: a power of two up to
     /// `most_moments`, or 1 without motion.
     ///
-    /// The number is a power of two, and at most `most_moments`. It is 1 if the highlight does not move.
+    /// Between two instants, it may move and grow by half a pixel. If its CoC radius is above 2 px, a quarter
+    /// of the radius is allowed.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` instants, the middles of equal parts of the exposure. Instants are
-    /// omitted if its light cannot reach an image. A highlight that does not move gives one element with u =
-    /// -1.
+    /// Returns the highlight at `count` instants, the middles of equal parts of the exposure. Instants at
+    /// which its light cannot reach an image are omitted. Without motion, there is one element, with u = -1.
     ///
-    /// `turned` shifts the instants by an amount that depends on the raster position. Neighbouring highlights
-    /// then have different instants, so their common streak needs fewer of each.
+    /// `turned` shifts the instants differently for neighbouring highlights, so that their common streak
+    /// needs fewer.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

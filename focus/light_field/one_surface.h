@@ -11,8 +11,7 @@
 namespace postlens {
 
 /// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface. It
-/// is 1 for a single object whose surface neither overlaps itself nor is too steep for the lens, otherwise 0.
-/// Cells are stored row by row.
+/// must not overlap itself, or be too steep.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;

@@ -17,11 +17,11 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many levels with equal steps of z' keep the rounding error of the CoC diameter within half of
-/// linear_step_px. The near end decides, because the CoC diameter is linear in 1/z' and changes most there.
+/// Returns how many levels with equal steps of z' round the CoC diameter to half of linear_step_px. The near
+/// end decides, where the CoC diameter changes most.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Let z be the nearest depth and h half a step of z'. Rounding z + h to z may change the CoC diameter by
-    // linear_step_px / 2, so gain (1 / z - 1 / (z + h)) = linear_step_px / 2.
+    // Let z be the nearest depth and h half a step. Rounding z + h to z changes the CoC diameter by gain (1 /
+    // z - 1 / (z + h)) = linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;

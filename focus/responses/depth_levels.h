@@ -34,11 +34,10 @@ struct DepthRange {
 
 /// A set of depth levels. A sample uses the impulse response of the level nearest to its depth.
 ///
-/// If the number K of levels is given, K equal steps cover the finite depths z', and one more level is
-/// infinity [potmesil1981]. Otherwise, it depends on the spacing:
-/// - inverse: the levels of LevelTable, around the focus; samples in focus are exactly sharp, and equal CoCs
-///   in front of and behind the focus share a level
-/// - linear: enough levels to round the CoC to half a pixel, but at most `most_linear_levels`
+/// A given number K of levels means K equal steps over the finite depths z', and one level for infinity
+/// [potmesil1981]. Otherwise:
+/// - inverse spacing: the levels of LevelTable, around the focus, where samples are exactly sharp
+/// - linear spacing: enough levels to round the CoC to half a pixel, but at most `most_linear_levels`
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
@@ -54,7 +53,7 @@ class DepthLevels {
                 std::optional<int> depths);
 
     /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing for
-    /// depths outside the levels, which exist only with a given number of levels or linear spacing.
+    /// depths outside the range of the levels. Those of LevelTable have no limit.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);

@@ -9,7 +9,7 @@
 namespace postlens {
 
 /// Creates the model of a round aperture with diffraction, with one kernel per colour channel [potmesil1981].
-/// All channels use `wavelengths_nm`. If it is empty, each channel uses its own band (lens/wave/spectrum.h).
+/// If `wavelengths_nm` is empty, each channel uses its own band (lens/wave/spectrum.h).
 ///
 /// A kernel contains 99 % of the energy, but extends at most 256 px beyond the geometric edge. It is
 /// normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.

@@ -144,8 +144,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // half_height to map_yy have 17 bits each: a sign, and a length of up to 16000 px in steps of 1/4 px.
-    // cell_x and cell_y are clamped to -2^14 to 2^14 - 1.
+    // half_height to map_yy have 17 bits each: a sign, and up to 16000 px in steps of 1/4 px. cell_x and
+    // cell_y are clamped to -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |

@@ -19,18 +19,16 @@
 
 namespace postlens {
 
-/// One row of a kernel, in columns relative to the anchor (integer raster position of the kernel). It covers
-/// [x_begin, x_end). Pixels of the interior [inner_begin, inner_end) have the value Kernel::inner. Every
-/// other pixel has its own value, called a tap, from left to right. Without an interior, inner_begin ==
-/// inner_end == x_end.
+/// One row of a kernel, the columns [x_begin, x_end) relative to its anchor (integer raster position). The
+/// interior has the value Kernel::inner. Every other pixel has its own value, called a tap.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px relative to the anchor (integer raster
-/// position of the kernel). They contain the whole image for any anchor.
+/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px relative to its anchor (integer raster
+/// position). They contain the whole image for any anchor.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -71,8 +69,8 @@ struct KernelKey {
     /// Sizes of ellipses are rounded to multiples of this step, in px. The outline then has an error of at
     /// most an eighth of a pixel along each axis.
     ///
-    /// With a fineness of k, the step is divided by 4^k. Only highlights use k = 1 or 2, for ellipses smaller
-    /// than fineness_below_px[k], whose brightness depends on their exact size.
+    /// With a fineness of k, the step is divided by 4^k. Highlights smaller than fineness_below_px[k] use k =
+    /// 1 or 2, because their brightness depends on the size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -128,13 +126,11 @@ struct Reach {
     void include(const Reach& other);
 };
 
-/// Table of kernels (impulse responses on the pixel grid), each with a number. Any thread may request the
-/// number of a key with `number_of`. Then `build` builds the kernels of all requested keys. A key's number
-/// depends on the timing of threads, but its kernel does not.
+/// Table of kernels (impulse responses on the pixel grid). First, any thread may request their numbers with
+/// `number_of`. Then `build` builds the kernels. Only the numbers depend on the timing of threads.
 class KernelTable {
   public:
-    /// - `disc_radius_px`: CoC radius of each depth level; kernel number i is the disc of level i, centred on
-    ///   an integer raster position
+    /// - `disc_radius_px`: CoC radius of each depth level; kernel number i is the disc of level i
     /// - `model`: provides the impulse responses; must outlive the table
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
@@ -161,8 +157,8 @@ class KernelTable {
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
     /// Returns the pixels that the kernels of a number reach, in any channel. Call it after `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns the number of kernel numbers, which count from 0. Call it after `build`. An unused disc has no
-    /// kernel, so its number refers to an arbitrary one.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of an
+    /// unused disc refers to an arbitrary kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -60,9 +60,8 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Rounds the sizes and positions of ellipses more coarsely, so that more samples share a kernel. All ellipses
-// within one octave of size are rounded alike, which limits the relative error of their size. With one step
-// for all sizes, small ellipses would vanish.
+// Rounds the sizes and positions of ellipses more coarsely, so that more samples share a kernel. With one
+// step for all octaves of size, small ellipses would vanish.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -82,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Keys that become equal in one step nearly always stay equal, so only one of them is used in the
-        // next step. Sorting makes the choice independent of the order of threads.
+        // Keys that become equal in one step nearly always stay equal, so one of them suffices. Sorting makes
+        // the choice independent of the order of threads.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

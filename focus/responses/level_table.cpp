@@ -12,13 +12,13 @@ constexpr double even_px = LevelTable::even_diameter_px;
 /// Step between neighbouring diameters, in px, from small_px to even_px. Rounding to it changes a CoC
 /// diameter by less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
-/// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, but at least an eighth of a
-/// pixel. A larger step would change the brightness of small highlights.
+/// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, at least 1/8 px. A larger
+/// step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// CoC diameter, in px, below which a sample is not blurred. The traced image is already about that soft
-/// where quadtree cells of different sizes meet. More blur would lower the PSNR.
+/// CoC diameter, in px, below which a sample is not blurred. The traced image is about that soft at different
+/// quadtree cells, and more blur would lower the PSNR.
 constexpr double sharp_below_px = 0.4;
 /// From the diameter even_px on, each level is 1/500 wider than the level before.
 constexpr double levels_per_e = 500;

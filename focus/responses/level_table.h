@@ -9,9 +9,8 @@
 
 namespace postlens {
 
-/// The CoC diameters for which impulse responses are computed. A circle of confusion uses the nearest one.
-/// They are the same for all lenses. Their steps grow from 1/8 px to half a pixel. Above `even_diameter_px`,
-/// a step is 1/500 of the diameter.
+/// The CoC diameters for which impulse responses are computed. Others are rounded to the nearest. Steps grow
+/// from 1/8 px to half a pixel. Above `even_diameter_px`, they are 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -45,8 +44,8 @@ class LevelTable {
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
     /// For each cell of the lookup table:
     /// - begin_px_: diameter at which a level begins in the cell
-    /// - before_: number of the level before it
-    /// - step_: difference between the two level numbers, or 0 if no level begins in the cell
+    /// - before_: level before it
+    /// - step_: difference between the two levels, or 0 if no level begins
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Radius, in px, for which phases_of uses steps of a quarter pixel instead of 1/16 px. It replaces smaller
-/// radii for models with few subpixel positions.
+/// Radius, in px, for which phases_of places samples in steps of a quarter pixel instead of 1/16 px. It
+/// replaces smaller radii for models with few subpixel positions.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -61,9 +61,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Seen from the lens point q, a record's image is displaced by gain (s I - W) q, with gain = film
-    // distance in px, s = inverse focus distance and W = the record's 2x2 matrix. `map` is this map in px per
-    // lens radius. glm matrices are column-major.
+    // `map` converts lens points, in lens radii, to the displacement of the record's image, in px. W is the
+    // record's 2x2 matrix and s the inverse focus distance. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

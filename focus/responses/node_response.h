@@ -60,12 +60,11 @@ class NodeResponses {
     /// Returns the response of a reflected or transmitted record. The depth model selects the record's depth.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the share of a record's light that the lens transmits. It multiplies the light and its weight
-    /// in the normalisation. It is 1 if one kernel serves the whole image.
+    /// Returns the share of a record's light that the lens transmits. It multiplies the light and its weight.
+    /// It is 1 if one kernel serves the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`
-    /// (vignetting). The weights of the splats at the pixel add up to this share. Dividing by them removes
-    /// the vignetting, so the pixel must be multiplied by the share.
+    /// (vignetting). A pixel that is divided by its sum of weights must be multiplied by this share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

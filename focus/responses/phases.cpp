@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel,
-/// each with its own weight. Larger samples are scattered as a whole.
+/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel.
+/// Larger samples are scattered as a whole.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions per px, along each axis, for kernels of this radius. A sample
@@ -23,9 +23,9 @@ int phases_per_px(double radius_px) {
 /// Returns the displacement, in px, of a sample at a corner between quadtree leaves (undivided cells) of
 /// different sizes. It corrects an integration error that would blur edges.
 ///
-/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, its error
-/// is h^2 / 12 times the slope of the colour (Euler-Maclaurin). Moving the leaf's part of the corner sample,
-/// of weight h / 2, by h / 6 into the leaf compensates for it.
+/// For a row of leaves of size h, the trapezoidal rule over corner samples has an error of h^2 / 12 times the
+/// slope at each end (Euler-Maclaurin). Moving a leaf's part of the sample, of weight h / 2, by h / 6 into
+/// the leaf compensates for it.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -78,7 +78,7 @@ Phases phases_of(const PointSample& s, double radius_px) {
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
         // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. Its part in
-        // each leaf moves to the centre of this quarter, by a quarter of the leaf's edge.
+        // each leaf moves to the centre of this quarter.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

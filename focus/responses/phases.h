@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A subpixel position for a part of a sample, and the weight of this part. It is in units of
-/// 1/KernelKey::phase_steps px, relative to the sample's position rounded down to integers.
+/// A subpixel position for a part of a sample, and the weight of this part. Units are
+/// 1/KernelKey::phase_steps px, from the pixel's upper left corner.
 struct Phase {
     std::int32_t x, y;
     float weight;
@@ -35,11 +35,11 @@ struct Phases {
 /// Returns the positions at which the response of a sample is placed, with weights that add up to the
 /// sample's weight.
 ///
-/// A small disc is placed at the sample's position, rounded to 1/16 px. Larger discs would need too many
-/// kernels. They are distributed over the nearest positions of a coarser grid, which preserves the centroid.
+/// A small disc is placed at the sample's position, rounded to 1/16 px. Larger discs are distributed over the
+/// nearest positions of a coarser grid, to save kernels.
 ///
-/// A sample on the border between pixels may have a different weight in each. Below a radius of 2 px, each
-/// part is placed inside its own pixel. With a CoC of 0, the image thus equals the pinhole image.
+/// A sample on the border between pixels may have a different weight in each. If its radius is below 2 px,
+/// each part is placed inside its own pixel.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

@@ -28,9 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Vignetting (cats_eye) occurs where two circular openings of the lens do not overlap. If the scene
-        // point moves by 1 px in the image, their images move by this distance, in px, relative to each
-        // other.
+        // Vignetting (cats_eye) occurs where two circular openings of the lens do not overlap. Per px of the
+        // scene point in the image, their images move apart by this many px.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -47,16 +46,14 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // The shape of a response smaller than a pixel is not visible, so a disc is used. A disc on a pixel
-        // corner gives a quarter to each of the four pixels. With a CoC of 0, the image thus equals the
-        // pinhole image.
+        // A disc replaces a response smaller than a pixel, whose shape is not visible. On a pixel corner,
+        // each of the four pixels gets a quarter, as in the pinhole image.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         // All samples in a cell (square of the image) share the response at its centre. If vignetting blocks
-        // all light there, samples elsewhere in the cell may still get light. The response without vignetting
-        // is then used.
+        // all light there, the response without vignetting is used.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -77,7 +74,7 @@ class ApertureModel final : public ResponseModel {
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
             // The inverse depth 1/z' is the mean of the diagonal of W, the record's 2x2 matrix. `map_px` is
-            // gain R (I/s - W), with gain = film distance in px, R = aperture radius and s = focus distance.
+            // gain R (I/s - W), with gain = film distance in px, R = aperture radius, s = focus distance.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -15,7 +15,7 @@
 namespace postlens {
 
 /// Describes the impulse response of a scene point. Without aberrations, light through the point q of the
-/// aperture, in lens radii, arrives at `map_px` times q, relative to the response's centre.
+/// aperture, in lens radii, arrives at `map_px` times q from the response's centre.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -38,12 +38,12 @@ class ResponseModel {
     /// Returns whether responses are uniform inside an outline. Adding such a response costs time
     /// proportional to the length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
-    /// Returns whether the maps M and -M have the same response.
+    /// Returns whether turning the aperture by 180 degrees does not change its response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Returns the width, in px, of squares of the image in which one kernel serves all responses with this
-    /// map. 0 means the whole image. The outline does not change visibly within a square.
+    /// Returns the width, in px, of squares of the image in which all responses share one kernel. 0 means the
+    /// whole image. `map_px` converts lens points to px.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -84,7 +84,7 @@ class ResponseModel {
                                                             double half_diagonal_px);
 
 /// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
-/// `geometry`. Throws the errors of read_aperture, and for a real lens (see lens_model).
+/// `geometry`. Throws the errors of read_aperture, also for a real lens.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

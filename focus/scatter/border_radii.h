@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// How far the lens spreads light from each pixel corner of the outermost recorded rows and columns, in px.
-/// It is the CoC radius, or more with spherical aberration.
+/// Distance, in px, to which the lens spreads light from each pixel corner of the outermost recorded rows and
+/// columns. It is the CoC radius, or more with spherical aberration.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on

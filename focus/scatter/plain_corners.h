@@ -22,8 +22,8 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The plain corners of some rows, one element per pixel corner, row by row. A plain corner has weight 1, and
-/// only its first surface has radiance. Corners on the border of the raster are never plain.
+/// The plain corners of some rows, one element per pixel corner, row by row. They have weight 1. Corners on
+/// the border of the raster are never plain.
 struct PlainCorners {
     /// 1/z' of the corner at each column, in 1/m, or `not_plain`.
     std::vector<double> inverse_depth;

@@ -12,9 +12,8 @@ namespace postlens {
 /// Sums over a few pixel rows of a block: colour times kernel in channels 0 to 2, weight times kernel in
 /// channel 3.
 ///
-/// The uniform interior of a wide kernel row is stored as differences: its value is added at its first pixel
-/// and subtracted after its last one. Running sums along the row then yield the interior. Sums use double,
-/// because with float every bright sample would leave a rounding error to its right.
+/// The uniform interior of a wide kernel row is stored as differences between pixels, from which running sums
+/// yield it. With float, every bright sample would leave a rounding error to its right, so sums use double.
 class PointScatter {
   public:
     /// `channel` selects the kernels if each colour channel has its own.

@@ -12,8 +12,8 @@ namespace {
 /// Number of source rows that are summed in float before they are added in double. It is so small that the
 /// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered for one strip (64 columns of a block) before the next strip. The
-/// sums of a strip then usually stay in the L1 cache.
+/// Number of source rows that are filtered for one strip (64 columns) before the next strip. The sums of a
+/// strip then usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -128,9 +128,8 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// Colours of the line (filtered part of the source row), for each channel. If the run covers the line,
-    /// `in_raster` points to it in the raster. Otherwise `in_raster` is null, and a copy begins at
-    /// lines_[line_at]. The running sums begin at running_[running_at].
+    /// Colours of the line (filtered part of the source row), per channel. They are in the raster or, if
+    /// `in_raster` is null, at lines_[line_at]. Their running sums are at running_[running_at].
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -216,8 +215,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
     // A line is the part of a source row that is filtered for a run (adjacent samples with the same disc). It
-    // covers all strips that the run reaches, and `reach` more columns on either side. The running sums need
-    // one more column.
+    // covers the run's strips, `reach` columns on either side, and one more.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);

@@ -11,10 +11,10 @@ namespace postlens {
 /// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
 /// Kernels are symmetric, because discs are centred on integer coordinates. A filtered source row is
-/// therefore used for two rows of the image. The single values of a kernel row (taps) come in pairs.
+/// therefore used for two rows of the image.
 ///
 /// The interior of a kernel row is a difference of running sums. These use double, so that a bright sample
-/// leaves no rounding error to its right. The order of every sum is independent of threads.
+/// leaves no rounding error to its right.
 class RunScatter {
   public:
     /// Number of columns in a strip. A block of pixels is divided into strips.
@@ -32,7 +32,7 @@ class RunScatter {
     bool run(const RasterWindow& block);
 
     /// Returns the sums of `channel` in row y of a strip (strip_width columns of the block). Channels 0 to 2
-    /// are colours, channel 3 is the weight. Sums beyond the block are undefined.
+    /// are colours, channel 3 is the weight.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). The rows that one disc covers
-// should fit into the L2 cache. Larger blocks share more work, smaller blocks keep more threads busy.
+// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). Its rows should fit into the L2
+// cache. Larger blocks share more work, smaller blocks keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
 /// Number of pixel rows per call of PointScatter. A call needs 64 B per pixel and tests every splat.
@@ -71,8 +71,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds the sums of runs (adjacent samples with the same disc) and of single splats in a few rows of a block,
-/// normalises and stores them. `runs` is null if no run reaches the block.
+/// Adds the sums of runs (adjacent samples with the same disc) and single splats in a few rows of a block,
+/// normalises and stores them. `runs` is null if there are none.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};

@@ -1,6 +1,5 @@
 // The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion, then divides each
-// pixel by its sum of weights. If this sum is below 1, empty space may fill the rest
-// (SplatTables::let_nothing_fill).
+// pixel by its sum of weights. Empty space may have a weight, too (SplatTables::let_nothing_fill).
 #pragma once
 
 #include "focus/scatter/splat_tables.h"

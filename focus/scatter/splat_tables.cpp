@@ -13,9 +13,8 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the number of adjacent samples with the same disc from which adding them as one run is faster than
-/// as single splats. A run costs the area of the disc, a splat the length of its outline. Measured with
-/// bench/scatter_bench.cpp.
+/// Returns the smallest number of adjacent samples for which one run is faster than single splats. A run
+/// costs the area of the disc, a splat the length of its outline.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
@@ -81,8 +80,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC counts directly visible surfaces at a finite depth. In mirrors and glass, the CoC has
-    // no limit near a caustic. The CoC of empty space is not visible.
+    // The largest CoC is that of a directly visible surface at a finite depth. In mirrors and glass, it has
+    // no limit near a caustic.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};

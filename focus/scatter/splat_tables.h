@@ -26,9 +26,8 @@ namespace postlens {
 /// Returns the largest distance between a splat in `source` and a pixel in `picture`, along each axis.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// The impulse response of one record of a point sample. Its colour is multiplied by the sample's weight.
-/// `weight` is 0 for reflected and transmitted records, so that a sample counts only once when a pixel is
-/// normalised.
+/// The impulse response of one record of a point sample, multiplied by the sample's weight. `weight` is 0 for
+/// reflected and transmitted records, so that a sample counts only once.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
@@ -77,9 +76,8 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must contain their records, and
-    /// those of the row above and the row below, if any. Throws Error(invalid_input) if a quadtree is
-    /// damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their records and, if any, those
+    /// of the rows above and below. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
@@ -89,18 +87,16 @@ class SplatTables {
     /// Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
     /// Lets empty space fill pixels whose weights add up to less than 1. `most` is the largest empty share of
-    /// each pixel of the image, row by row. By default, no part of a pixel is empty.
+    /// each pixel of the image, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
-    /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
-    /// is added. Rows added before finish() only determine which kernels and runs (adjacent samples with the
-    /// same disc) are needed.
+    /// Prepares an image that is made in strips (groups of rows). Call it before the first row is added. Rows
+    /// added before finish() only determine which kernels are needed.
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
-    /// reach it are kept. Returns the ranges of rows [begin, end) to add once more, in this order, before
-    /// finish_strip().
+    /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Returns the ranges
+    /// of rows [begin, end) to add once more, in this order, before finish_strip().
     ///
     /// Call it after finish(), once for each strip. The height of each strip must be a multiple of
     /// `block_px`.
@@ -117,8 +113,8 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only the columns of
-    /// the row's runs (adjacent samples with the same disc) are valid.
+    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only columns of runs
+    /// (adjacent samples with the same disc) are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());

@@ -16,8 +16,8 @@ namespace postlens {
 
 /// Finds the rows of the file that must be read again for each strip of the image.
 ///
-/// An `Item`, for example a splat, belongs to a row of the file and reaches several pixel rows. The few items
-/// that reach far are kept in memory. Thus only rows close to a strip must be read again.
+/// An `Item`, for example a splat, belongs to a row of the file. The few items that reach far are kept in
+/// memory, so that only rows close to a strip must be read.
 template <typename Item>
 class StripRows {
   public:
@@ -27,7 +27,7 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the file's rows; a row that is never added must be read for every strip
+    /// - `source`: window of the file's rows; rows that are never added are read for every strip
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -83,7 +83,7 @@ class StripRows {
     }
 
     /// Returns the rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end).
-    /// Short gaps are included, because reading them is faster than starting a new range.
+    /// Short gaps are included, because this is faster than a new range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;

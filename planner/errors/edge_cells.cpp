@@ -10,11 +10,11 @@
 namespace postlens {
 namespace {
 
-/// Squared difference of sRGB values between the corners of a cell (0.1 squared, mean over channels), above
-/// which it is attributed to an edge. Smaller ones are smooth shading.
+/// If the squared difference of sRGB values between the corners of a cell exceeds this (0.1 squared), an edge
+/// crosses the cell. Smaller differences are due to smooth shading.
 constexpr double least_edge = 0.01;
-/// Squared difference of sRGB values between the corners of a cell (1/255 squared), below which they count as
-/// equal.
+/// The corners of a cell count as equal if their squared difference of sRGB values is below this, 1/255
+/// squared.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace
@@ -116,8 +116,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Without an edge, the shading varies smoothly, as a x^2 + b y^2 + c x y. The mean of the corners differs
-    // from that of the cell by (a + b) / 6. Only c follows from the corners, so a = b = c / 2 is assumed.
+    // Smooth shading is assumed to be a x^2 + b y^2 + c x y. The mean of the corners then differs from that
+    // of the cell by (a + b) / 6. Only c follows from the corners, so a = b = c / 2 is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// Mean squared error of estimating the area on one side of a straight edge in a square of area 1. The
-/// estimate is the share of the square's corners on that side. The edges are random and separate corners.
+/// A random straight edge divides a square of area 1. The share of the square's corners on one side estimates
+/// the area there, with this mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Like edge_cell_variance, but for uniformly distributed edges parallel to a side of the square.
+/// Like edge_cell_variance, but for edges parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
@@ -26,8 +26,8 @@ struct CellCorner {
 
 struct CellStep {
     /// How an edge divides the corners of the cell:
-    /// - `none`: there is no edge; the cell is nearly uniform
-    /// - `upright`, `level`: two adjacent corners from the other two, so the edge may be parallel to a side
+    /// - `none`: there is no edge
+    /// - `upright`, `level`: two adjacent corners from the other two, so it may be parallel to a side
     /// - `slanted`: one corner from three, or two opposite corners from the other two
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
@@ -39,14 +39,13 @@ struct CellStep {
 };
 
 /// Estimates the error that bright cells (radiance above 1) cause in the pixels over which the lens spreads
-/// their light. PixelEdges does not count it, because sRGB encoding clips this light in the cells.
+/// their light. PixelEdges does not count this light.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels, of knowing only the corners of cells
-    /// with an edge. `variance_share` multiplies the variance of the cells' light: 1/8 predicts the error
-    /// with cells of half the width.
+    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` scales the variance of
+    /// the cells' light: 1/8 predicts the error with cells of half the width.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -61,9 +60,8 @@ class SpreadLight {
 /// right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel from the corners of its cells. If an edge is parallel to the sides
-/// of the cells, their errors are equal and add up. If it is slanted, the errors are nearly independent, and
-/// their squares add up.
+/// Estimates the squared error of a pixel from the corners of its cells. Along an edge parallel to the cells,
+/// their errors are equal. Along a slanted edge, they are independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -19,11 +19,10 @@ struct ErrorTrial {
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene again, in several trials. Each trial removes one limit of the records, the cause
-/// of error of this name:
-/// - frame_edge: the overscan is large enough for the lens and the shutter
-/// - hidden_surface: all hidden surfaces are recorded and, with a shutter, as many instants as the motion
-///   needs
+/// Traces the file's scene again, in several trials. Each removes one limit of the records, the cause of
+/// error of this name:
+/// - frame_edge: the overscan suffices for the lens and the shutter
+/// - hidden_surface: all hidden surfaces are recorded and, with a shutter, enough instants
 /// - record_density: one more level of subdivision (3 to 6 in all), complete shading trees, and a search for
 ///   narrow objects
 ///

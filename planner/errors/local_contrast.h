@@ -11,14 +11,13 @@ namespace postlens {
 /// The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
-/// Returns the expected squared error of a pixel's sRGB value if light from its surroundings replaces the
-/// share `unknown_share` of its light. `variance` is the variance of sRGB values in the surroundings.
+/// Returns the expected squared error of a pixel's sRGB value if its surroundings replace the share
+/// `unknown_share` of its light. `variance` is that of the sRGB values there.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Returns the expected squared error of a pixel if part of its light is reprojected to a wrong position.
-/// `light` is the radiance of this part as an sRGB value. On average, half of it still reaches the right
-/// pixel.
+/// Returns the expected squared error of a pixel if the light `light` (an sRGB value) is reprojected to a
+/// wrong position. Half of it is assumed to reach the right pixel.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

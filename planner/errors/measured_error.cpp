@@ -21,9 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Products of differences between images, as means over channels, summed over pixels.
+/// Products of differences between images, summed over pixels.
 /// - `noise`: squared noise of the mean of `a` and `b`
-/// - `products`: squared error of `other` (see measured_error)
+/// - `products`: squared error of `other`, because the noise of `a` and `b` is independent
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -63,9 +63,8 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the residuals (ray minus image) of the highlights, as differences of encoded sRGB values. Unlike a
-/// linear conversion, these are correct for large residuals. Their bias is small, because they have little
-/// noise.
+/// Returns the residuals (ray minus image) of the highlights, as differences of sRGB values. Unlike a linear
+/// conversion, these are correct for large residuals.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -114,15 +113,15 @@ struct ChosenSum {
 };
 
 /// Returns the errors in a piece (square) of a tile and their variances, as parts of the means over the tile
-/// of `pixels` pixels.
+/// of `pixels` pixels. Errors are assumed to be normally distributed and independent between pieces.
+/// - d: half the difference of the halves of the views, with the variance n
+/// - v: noise of their mean, independent of d, with the variance n
+/// - e: difference between the other image and the mean of infinitely many views
+/// - N = d^2: estimate of the squared noise
+/// - S = (e - v)^2 - d^2: estimate of e^2
 ///
-/// Let d be half the difference of the halves, and v the noise of their mean; they are independent and have
-/// the same variance n. Let e be the difference between the other image and the mean of infinitely many
-/// views. N = d^2 estimates the squared noise, S = (e - v)^2 - d^2 estimates e^2.
-///
-/// With the weight w of the other image, the estimated error is (1 - w)^2 N + w^2 S. Its difference from the
-/// true error has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. Here 4 n^2 is estimated by 4/3 N^2, and e^2 n
-/// by S N + 2/3 N^2.
+/// With the weight w of the other image, the error (1 - w)^2 N + w^2 S has the variance (1 - 2 w)^2 4 n^2 + 4
+/// w^2 e^2 n. Here 4 n^2 is estimated by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
 TileError part_of_tile(const Differences& of_piece, double pixels) {
     const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
     return {.noise_mse = noise,
@@ -131,9 +130,8 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals (ray minus record) of two independent halves. Rare large residuals may occur
-/// in only one half. All products, and their measured variance, are then almost 0. The variance is therefore
-/// at least that of a product of independent residuals, the square of the mean squared residual.
+/// Mean product of the residuals (ray minus record) of two independent halves. If rare large residuals occur
+/// in only one half, its variance is underestimated. That of independent residuals is the lower limit.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -280,9 +278,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean of both halves. Each half has n rays, stratified in four
-            // dimensions (pixel and lens). At the outline of a light source, their mean has n^(-1 - 1/4)
-            // times the variance of a single ray [mitchell1996].
+            // Standard deviation of the mean of both halves. Each has n rays, stratified in four dimensions.
+            // At the outline of a light source, their mean has n^(-1 - 1/4) times the variance of one ray
+            // [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

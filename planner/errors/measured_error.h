@@ -29,9 +29,8 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error if another image is mixed in with the weight w. The
-    /// estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B the variance
-    /// `of_product`.
+    /// Returns the variance of the estimated error if another image has the weight w. The estimate is wrong
+    /// by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B `of_product`.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -46,31 +45,20 @@ struct MeasuredError {
     std::uint64_t check_rays = 0;
 };
 
-/// Measures the errors of an image whose views are divided into two halves. The result is bit-identical for
-/// any number of threads.
-/// - `a`, `b`: images of the halves, with equal numbers of views and of comparisons with rays, and
-///   independent sets of lens points
+/// Measures the errors of an image whose views are divided into two halves, `a` and `b`. They must have equal
+/// numbers of views and independent lens points. The result is bit-identical for any number of threads.
 /// - `crop`: only pixels within it are measured
 /// - `checked`, `use`: select the check rays
 /// - `other`: another image of the same scene, independent of the views, or null
 ///
-/// Noise: the mean squared difference between the halves and (a + b) / 2, in sRGB values [mccarthy1969].
-///
-/// Bias: a checked pixel has a mean residual (ray minus record) in each half. Their noise is independent, so
-/// the expectation of their product is the squared error of the records.
-///
-/// Other image o: the noise of a and b is independent, so the expectation of (o - a)(o - b) is the squared
-/// difference between o and the expectation of the views.
-///
-/// The variances assume that errors are normally distributed, equal within a piece (square of the image,
-/// piece_px), and independent between pieces.
+/// The noise is the mean squared difference between the halves and their mean [mccarthy1969]. The bias is the
+/// mean product of the residuals (ray minus record) of both halves, because their noise is independent.
 [[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Selects the tiles with the largest values, until the values of all other tiles add up to at most `most`.
-/// `value(tile, share)` is the value of a tile that has this share of the image. Only positive values are
-/// selected. Returns 1 for selected tiles, otherwise 0.
+/// Selects the tiles with the largest values, until the others add up to at most `most`. `value(tile, share)`
+/// is the value of a tile with this share of the image.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -91,18 +79,17 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise, in sRGB values, of each tile's highlights if rays showed them instead of
-/// impulse responses. `views` is the number of rays per pixel in each tile. `a` and `b` are the two halves of
-/// the image.
+/// Estimates the squared noise, in sRGB values, of each tile's highlights if `views` rays per pixel showed
+/// them. `a` and `b` are the two halves of the image.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Selects the tiles in which rays should replace all view samples, because the records cause too much error
-/// (TileError::bias_mse). Returns 1 for selected tiles.
+/// Returns 1 for tiles in which rays should replace all view samples, because the records cause too much
+/// error (TileError::bias_mse).
 ///
-/// The tiles with the largest errors are selected, until the others contribute at most `most_mse` to the mean
-/// of the image. A tile is also selected if its error exceeds the noise of its views, twice its own standard
-/// error, and `fine_mse`, the acceptable error of a single tile.
+/// These are the tiles with the largest errors, until the others add at most `most_mse` to the mean of the
+/// image. They are also tiles whose error exceeds the noise of the views, twice its own standard error, and
+/// `fine_mse`.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

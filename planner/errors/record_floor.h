@@ -12,18 +12,17 @@
 
 namespace postlens {
 
-/// Returns the factor by which a circle of confusion reduces the squared error of an edge, by averaging over
-/// its pixels. If the edge is `aligned` with the quadtree cells, errors along it are equal, and the factor is
-/// the number of pixels across the circle. Otherwise errors are independent, and it is the number of pixels
-/// in the circle.
+/// Returns the factor by which a circle of confusion reduces the squared error of an edge. It is the number
+/// of pixels in the circle, because their errors are independent. Along an edge that is `aligned` with the
+/// quadtree cells, errors are equal. It is then the number of pixels across the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor for edges that pass between the corners of a cell, where no corner shows them: the error of all
-/// cells, divided by that of the cells whose corners show an edge. The value is a fit.
+/// Factor for edges that pass between the corners of a cell: the error of all cells, divided by that of cells
+/// whose corners show an edge. A fit.
 inline constexpr double floor_unseen = 1.4;
 
-/// Expected squared error of each pixel due to the size of the quadtree cells (edge_cells.h), reduced by the
-/// circle of confusion (averaged_by). It is the error of sRGB values, as a mean over channels.
+/// Expected squared error of each pixel's sRGB value due to the size of the quadtree cells (edge_cells.h).
+/// The circle of confusion reduces it (averaged_by). It is a mean over channels.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);

@@ -21,16 +21,13 @@ struct RecordsBound {
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
 };
 
-/// Returns an upper bound of the error that unsure view samples, which the records do not determine, cause in
-/// each pixel. A few views are drawn to measure their share.
-///
-/// The bound assumes that an unsure sample lies between the darkest and the brightest value of the pinhole
-/// image within the largest circle of confusion. It also assumes that all unsure samples of a pixel are too
-/// bright, or all too dark. It is usually much larger than the error. The error can exceed it if the pinhole
-/// image does not contain all radiance of the scene.
-///
-/// `image` is scene-linear. `lens.scene` and the number of views are ignored. Throws the errors of
+/// Returns an upper bound of each pixel's error due to unsure view samples, which the records do not
+/// determine. `image` is scene-linear. `lens.scene` and the number of views are ignored. Throws the errors of
 /// hybrid_picture.
+///
+/// The bound assumes that the radiance of an unsure sample occurs in the pinhole image within the largest
+/// circle of confusion. It also assumes that all unsure samples of a pixel are too bright, or all too dark.
+/// It is usually much larger than the error.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

@@ -40,8 +40,8 @@ double CheckedPixels::aimed(int x, int y, int views) const {
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // The pixels of a block are ranked, and the first `chosen` are selected. The pixel that states the error
-    // has rank 0. `step` has no divisor in common with the number of pixels, so all ranks differ.
+    // The pixels of a block are ranked, from the pixel that states the error, and the first `chosen` are
+    // selected. Ranks differ, because `step` and the number of pixels are coprime.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

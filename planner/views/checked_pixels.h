@@ -6,19 +6,13 @@
 
 namespace postlens {
 
-/// Selects the view samples that are compared with rays. In each block of pixels, two random pixels are
+/// Selects the view samples that are compared with rays. Two random pixels of each block of pixels are
 /// checked. One states the error of the image, the other decides in which tiles rays replace all view
 /// samples.
 ///
-/// A block has 4 x 4 px, and two views of each half are compared in a checked pixel. Small images have
-/// smaller blocks. If rays have random radiances, because a light has an extent or a material a lobe, blocks
-/// have 5 x 5 px, and a quarter of the views are compared, but at least eight.
-///
-/// Checking twice as many views in a pixel divides the variance of the result by four, checking twice as many
-/// pixels only by two. More pixels, however, find rare large errors.
-///
-/// Rays are also aimed at highlights, in the pixel that states the error. The more views the image has, the
-/// more other pixels of the block are used, too.
+/// A block has 4 x 4 px (2 x 2 px in small images), and two views of each half are compared in a checked
+/// pixel. If rays have random radiances, the block is 1 px wider, and a quarter of the views are compared, at
+/// least eight.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
@@ -29,7 +23,8 @@ class CheckedPixels {
     /// Appends those of the views [first, first + count) of a set that are compared with a ray in pixel (x,
     /// y). The appended indices are relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Implements PatchViews::aimed for a half that has `views` views.
+    /// Implements PatchViews::aimed for a half that has `views` views. The more views, the more pixels of a
+    /// block get rays that are aimed at highlights.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

@@ -15,9 +15,8 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Each piece (square of the image) uses one of `scrambles` differently scrambled sets of lens points. The
-/// index increases by 1 per piece to the right, and by `scrambles_down` per piece down, modulo `scrambles`.
-/// Pieces with the same set are thus at least 8 pieces apart.
+/// Each piece (square of the image) uses one of `scrambles` sets of lens points, number (column +
+/// scrambles_down * row) modulo `scrambles`. Pieces with the same set are at least 8 pieces apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Blends a pixel's values in `to` with those in `from`, which get the weight `share`.

@@ -21,16 +21,15 @@ namespace postlens {
 /// replace samples whose colours the records do not determine.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` of `settings` are ignored. `first_set` is the index of the first set
-    /// of lens points. An image uses fewer than 128 consecutive sets. Throws the errors of hybrid_picture.
+    /// `focus.views` and `focus.method` of `settings` are ignored. An image uses fewer than 128 sets of lens
+    /// points, from the index `first_set` on. Throws the errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` views, in two halves. If the number
-    /// is odd, half 0 has one view more. The result is bit-identical for any number of threads.
+    /// Draws further views, in two halves, until each tile of `grid()` has `views[tile]` views. Half 0 may
+    /// have one view more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states
-    /// whether they also replace the highlights. Returns whether a tile was redrawn, which is not so if an
-    /// earlier call replaced as much or more.
+    /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0, and also the
+    /// highlights if `what` says so. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }

@@ -12,11 +12,10 @@
 namespace postlens {
 
 /// Returns the name of the camera in `scene` through which the file was traced. Throws Error(invalid_input)
-/// if the file was traced from another scene, or if there is no such camera.
+/// if there is none, or if the file was traced from another scene.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) if a light field cannot make the image. The message names `method` or
-/// `--scene`. The cases are:
+/// Throws Error(wrong_arguments), naming `method` or `--scene`, if a light field cannot make the image:
 /// - the file is orthographic
 /// - the framing differs from that of the trace
 /// - the impulse response has no lens points

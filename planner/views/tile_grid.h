@@ -39,9 +39,8 @@ struct TileGrid {
     }
 };
 
-/// Returns the edge of a piece, in px: a power of two, from 4 px to the edge of a tile. A piece is a square
-/// of the image with its own scrambled lens points, so that the errors of pieces are independent. The noise
-/// is estimated as a mean over pieces, so an image should have at least 2000.
+/// Returns the edge of a piece, in px. Pieces are squares with their own lens points, so that their errors
+/// are independent. Estimating the noise needs at least 2000 of them.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
