@@ -63,7 +63,9 @@ class PatchBins {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
             [[nodiscard]] bool meet(const TilePart& r) const {
-                return x_first < r.x_end && x_last >= r.x_begin && y_first < r.y_end && y_last >= r.y_begin;
+                // Without branches, which are mispredicted half of the time.
+                return ((x_first < r.x_end) & (x_last >= r.x_begin) & (y_first < r.y_end) &
+                        (y_last >= r.y_begin)) != 0;
             }
         };
         std::vector<std::uint32_t> patches;
