@@ -48,7 +48,7 @@ void measure(const std::string& frame, const std::string& scene_path, double f_n
             const float* rgb = result.focus.image.pixel(x, y);
             double of_pixel = 0;
             for (std::size_t n = 0; n < 3; ++n) {
-                const double off = c.sum[n] / c.views;
+                const double off = c.mean(n);
                 const double here = encoded(static_cast<double>(rgb[n])),
                              right = encoded(static_cast<double>(rgb[n]) + off);
                 of_pixel += (right - here) * (right - here) / 3;

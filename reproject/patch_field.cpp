@@ -159,11 +159,17 @@ class Field {
         if (set.rays != nullptr) w.rays.trace(set);
         if (set.checked) {
             w.checked.check(set);
-            if (lights) w.checked_highlights.check(field_, set, at, w.light, w.checked.sums);
-            for (int y = 0; y < at.height; ++y) {
-                std::copy_n(w.checked.sums.begin() + y * SeenTile::edge, at.width,
-                            out.checks.begin() + (y0 + y) * static_cast<std::ptrdiff_t>(field_.width) + x0);
+            const auto copy = [&](const auto& from, auto& to) {
+                for (int y = 0; y < at.height; ++y) {
+                    std::copy_n(from.begin() + y * SeenTile::edge, at.width,
+                                to.begin() + (y0 + y) * static_cast<std::ptrdiff_t>(field_.width) + x0);
+                }
+            };
+            if (lights) {
+                w.checked_highlights.check(field_, set, at, w.light, w.checked.sums);
+                copy(w.checked_highlights.sums, out.highlight_checks);
             }
+            copy(w.checked.sums, out.checks);
         }
         store(at, total_[number], lights, set.rays != nullptr, w, out);
     }
@@ -419,6 +425,8 @@ void patch_field(const PatchField& field, std::span<PatchPicture> out) {
         if (set.lights != nullptr) picture.light_square.resize(picture.unknown.size());
         if (set.rays != nullptr) picture.traced.resize(picture.unknown.size());
         if (set.checked) resize_by_all(picture.checks, picture.unknown.size());
+        if (set.checked && set.lights != nullptr)
+            resize_by_all(picture.highlight_checks, picture.unknown.size());
         if (!field.class_marks.empty()) picture.touched.resize(picture.unknown.size());
     }
     Field(field).draw(out);

@@ -161,16 +161,24 @@ class Lights {
 /// the recorded radiance, or 0 if the image uses the ray.
 struct PixelCheck {
     std::uint32_t views = 0;
-    std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
-    std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
-    [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    std::array<float, 3> highlights{};  ///< light of the highlights in the image, scene-linear
-    std::array<double, 3> aimed_sum{};  ///< sum of this light along the rays aimed at the highlights
-    std::uint32_t aimed = 0;            ///< number of these rays
-    float aimed_share = 0;              ///< the result of PatchViews::aimed
-    /// Light of the highlights as measured by the aimed rays, minus their light in the image.
-    [[nodiscard]] double highlight_residual(std::size_t channel) const {
-        return aimed > 0 ? aimed_sum[channel] / aimed - static_cast<double>(highlights[channel]) : 0;
+    std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
+    std::array<float, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
+    [[nodiscard]] double mean(std::size_t channel) const {
+        return views > 0 ? static_cast<double>(sum[channel]) / views : 0;
+    }
+};
+
+/// Compares rays with the light of highlights in one pixel, scene-linear.
+struct HighlightCheck {
+    std::array<float, 3> light{};      ///< in the image
+    std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
+    std::uint32_t aimed = 0;           ///< number of these rays
+    float aimed_share = 0;             ///< the result of PatchViews::aimed
+    /// Light along the aimed rays, minus the light in the image.
+    [[nodiscard]] double residual(std::size_t channel) const {
+        return aimed > 0
+                   ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])
+                   : 0;
     }
 };
 
@@ -188,6 +196,8 @@ struct PatchPicture {
     std::vector<float> traced;
     /// Per pixel: results of comparing rays with records. Empty for sets without `checked`.
     std::vector<PixelCheck> checks;
+    /// Per pixel: the same for highlights. Empty for sets without `checked` or without lights.
+    std::vector<HighlightCheck> highlight_checks;
     /// Per pixel: mean squared radiance of the highlights (fourth value of Lights::add). Empty if there are
     /// none.
     std::vector<float> light_square;

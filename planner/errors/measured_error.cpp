@@ -70,12 +70,12 @@ Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::siz
     for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t k = 3 * pixel + c;
         const float value = (a.image.rgb[k] + b.image.rgb[k]) / 2;
-        const auto residual = [&](const PixelCheck& check) {
-            const double off = check.highlight_residual(c);
+        const auto residual = [&](const HighlightCheck& check) {
+            const double off = check.residual(c);
             return off == 0 ? 0 : encoded(value + static_cast<float>(off)) - encoded(value);
         };
-        out.a[c] = residual(a.checks[pixel]);
-        out.b[c] = residual(b.checks[pixel]);
+        out.a[c] = residual(a.highlight_checks[pixel]);
+        out.b[c] = residual(b.highlight_checks[pixel]);
     }
     return out;
 }
@@ -212,12 +212,16 @@ class TileMeasurement {
 
     void add_checks(int x, int y, TileSums& out) const {
         const std::size_t k = pixel_of(x, y);
-        const PixelCheck &of_a = a_.checks[k], &of_b = b_.checks[k];
-        out.check_rays += of_a.rays + of_b.rays + of_a.aimed + of_b.aimed;
+        out.check_rays += a_.checks[k].rays + b_.checks[k].rays;
         const bool is_used = checked_.use(x, y) == use_;
-        const auto chosen = static_cast<double>(std::min(of_a.aimed_share, of_b.aimed_share));
-        if (!is_used && chosen == 0) return;
-        const Residuals lights = highlight_residuals(a_, b_, k);
+        double chosen = 0;
+        Residuals lights;
+        if (!a_.highlight_checks.empty()) {
+            const HighlightCheck &of_a = a_.highlight_checks[k], &of_b = b_.highlight_checks[k];
+            out.check_rays += of_a.aimed + of_b.aimed;
+            chosen = static_cast<double>(std::min(of_a.aimed_share, of_b.aimed_share));
+            if (is_used || chosen > 0) lights = highlight_residuals(a_, b_, k);
+        }
         if (is_used) {
             const Residuals views = view_residuals(a_, b_, k);
             const double of_views = product(views.a, views.b);
@@ -269,7 +273,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
     if (a.light_square.empty()) return out;
     // Returns the variance of the highlights' radiance over single rays of a pixel, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
-        const float mean = *std::ranges::max_element(half.checks[k].highlights);
+        const float mean = *std::ranges::max_element(half.highlight_checks[k].light);
         return half.light_square[k] - mean * mean;
     };
     std::size_t k = 0;

@@ -127,21 +127,26 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
             if (to.checks.empty()) continue;
             PixelCheck& check = to.checks[k];
             const PixelCheck& more = drawn.checks[k];
-            if (before == 0) {  // drawn anew, with the same lines
-                check.rays += check.aimed;
-                check.aimed = 0;
-                check.aimed_sum = {};
-            }
             const std::uint32_t both = check.views + more.views;
-            for (std::size_t c = 0; c < 3; ++c) {
-                check.sum[c] = both * (check.mean(c) + share * (more.mean(c) - check.mean(c)));
-                check.highlights[c] += static_cast<float>(share) * (more.highlights[c] - check.highlights[c]);
-                check.aimed_sum[c] += more.aimed_sum[c];
-            }
+            for (std::size_t c = 0; c < 3; ++c)
+                check.sum[c] =
+                    static_cast<float>(both * (check.mean(c) + share * (more.mean(c) - check.mean(c))));
             check.views = both;
             check.rays += more.rays;
-            check.aimed += more.aimed;
-            check.aimed_share = more.aimed_share;
+            if (to.highlight_checks.empty()) continue;
+            HighlightCheck& lights = to.highlight_checks[k];
+            const HighlightCheck& more_lights = drawn.highlight_checks[k];
+            if (before == 0) {  // drawn anew, with the same lines
+                check.rays += lights.aimed;
+                lights.aimed = 0;
+                lights.aimed_sum = {};
+            }
+            for (std::size_t c = 0; c < 3; ++c) {
+                lights.light[c] += static_cast<float>(share) * (more_lights.light[c] - lights.light[c]);
+                lights.aimed_sum[c] += more_lights.aimed_sum[c];
+            }
+            lights.aimed += more_lights.aimed;
+            lights.aimed_share = more_lights.aimed_share;
         }
     }
 }

@@ -26,13 +26,14 @@ bool CheckedHighlights::Aimed::rays_differ() const {
 void CheckedHighlights::check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                               const std::vector<double>& light, std::vector<PixelCheck>& checks) {
     aimed_.clear();
+    sums.resize(SeenTile::pixels);
     for (int y = 0; y < at.height; ++y) {
         for (int x = 0; x < at.width; ++x) {
             const auto k = static_cast<std::uint16_t>(y * SeenTile::edge + x);
-            for (std::size_t c = 0; c < 3; ++c)
-                checks[k].highlights[c] = static_cast<float>(light[Lights::values * k + c]);
             const double share = set.aimed ? set.aimed(at.x - field.x + x, at.y - field.y + y) : 0;
-            checks[k].aimed_share = static_cast<float>(share);
+            sums[k] = {.aimed_share = static_cast<float>(share)};
+            for (std::size_t c = 0; c < 3; ++c)
+                sums[k].light[c] = static_cast<float>(light[Lights::values * k + c]);
             if (share > 0) aimed_.push_back({.pixel = k});
         }
     }
@@ -49,8 +50,8 @@ void CheckedHighlights::check(const PatchField& field, const PatchViews& set, co
     trace(field, set, at, Round::many, differing_);
     for (const std::vector<Aimed>* some : {&agreeing_, &differing_}) {
         for (const Aimed& a : *some) {
-            checks[a.pixel].aimed_sum = a.sum;
-            checks[a.pixel].aimed = a.rays;
+            sums[a.pixel].aimed = a.rays;
+            for (std::size_t c = 0; c < 3; ++c) sums[a.pixel].aimed_sum[c] = static_cast<float>(a.sum[c]);
         }
     }
 }

@@ -15,7 +15,10 @@ namespace postlens {
 /// are aimed at the recorded highlights (Lights::aim).
 class CheckedHighlights {
   public:
-    /// Sets the members of `checks` that describe highlights. `light` is the result of Lights::add.
+    std::vector<HighlightCheck> sums;  ///< per pixel
+
+    /// Sets `sums`. `light` is the result of Lights::add. Adds the rays that decide how many more are aimed
+    /// to `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

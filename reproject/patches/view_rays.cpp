@@ -186,8 +186,8 @@ void CheckedSamples::check(const PatchViews& set) {
         PixelCheck& of = sums[pixel_[i]];
         ++of.rays;
         for (std::size_t n = 0; n < 3; ++n) {
-            of.sum[n] +=
-                recorded_[i].w * static_cast<double>(radiance_[i][n]) - recorded_[i][static_cast<int>(n)];
+            of.sum[n] += static_cast<float>(recorded_[i].w * static_cast<double>(radiance_[i][n]) -
+                                            recorded_[i][static_cast<int>(n)]);
         }
     }
     lines_.clear();

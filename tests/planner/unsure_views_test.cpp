@@ -253,7 +253,7 @@ TEST(UnsureViews, ChecksTellTheDifferenceToRays) {
             for (std::size_t n = 0; n < 3; ++n) {
                 double mean = 0;
                 for (const auto& radiance : seen) mean += static_cast<double>(radiance[n]) / views;
-                const double off = checked.checks[k].sum[n] / views;
+                const double off = static_cast<double>(checked.checks[k].sum[n]) / views;
                 // Tolerance: float rounding of colours of about 1.
                 ASSERT_NEAR(static_cast<double>(plain.rgb[3 * k + n]) + off, mean, 1e-5) << x << ',' << y;
                 found += std::abs(off);

@@ -334,18 +334,19 @@ TEST(PatchField, ChecksHighlightsByLinesThatAreAimedAtThem) {
     int pixels = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            const PixelCheck& check = pictures[0].checks[static_cast<std::size_t>(y * width + x)];
+            const HighlightCheck& check =
+                pictures[0].highlight_checks[static_cast<std::size_t>(y * width + x)];
             SCOPED_TRACE(x);
-            EXPECT_EQ(check.highlights[1], 2);
+            EXPECT_EQ(check.light[1], 2);
             EXPECT_EQ(check.aimed_share, x == 5 ? 0 : 0.5F);
             if (x < 8) {
                 EXPECT_EQ(check.aimed, x == 5 ? 0U : 4U);
-                EXPECT_EQ(check.highlight_residual(1), x == 5 ? 0 : x >= 4 ? 3 - 2 : -2);
+                EXPECT_EQ(check.residual(1), x == 5 ? 0 : x >= 4 ? 3 - 2 : -2);
                 continue;
             }
             // Where few rays differ, more are traced.
             EXPECT_TRUE(check.aimed == 4 || check.aimed == 28) << check.aimed;
-            sum += check.highlight_residual(1);
+            sum += check.residual(1);
             ++pixels;
         }
     }
