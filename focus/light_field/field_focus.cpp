@@ -1,10 +1,12 @@
 #include "focus/light_field/field_focus.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
 
+#include "core/threads.h"
 #include "focus/light_field/field_highlights.h"
 #include "focus/light_field/field_surfaces.h"
 #include "focus/light_field/highlights_with_rays.h"
@@ -73,20 +75,33 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the crop has a pixel that no view sees. It is filled from known pixels, which may lie
-/// outside the crop.
-bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
-    for (int y = crop.y; y < crop.y + crop.height; ++y) {
-        for (int x = crop.x; x < crop.x + crop.width; ++x) {
-            const std::size_t k = static_cast<std::size_t>(y) * static_cast<std::size_t>(seen.image.width) +
-                                  static_cast<std::size_t>(x);
-            if (seen.unknown[k] >= 1 && !(simple && simple->at(x, y))) return true;
+/// Returns whether the crop has a pixel that is drawn, although no view sees it. It is filled from known
+/// pixels, which may lie outside the crop. Squares of `piece_px` that no set of the image `number` wants are
+/// not drawn.
+bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
+              const std::optional<OneSurface>& simple, const Crop& crop) {
+    std::atomic<bool> found = false;
+    parallel_for(static_cast<std::size_t>(seen.image.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row), end = crop.x + crop.width;
+        if (found || y < crop.y || y >= crop.y + crop.height) return;
+        for (int x = crop.x; x < end && !found; ++x) {
+            const std::size_t k =
+                row * static_cast<std::size_t>(seen.image.width) + static_cast<std::size_t>(x);
+            if (seen.unknown[k] < 1 || (simple && simple->at(x, y))) continue;
+            const int left = x / piece_px * piece_px, top = y / piece_px * piece_px;
+            const auto wants = [&](const FieldViews& set) {
+                return set.picture == number && (!set.wanted || set.wanted(left, top, piece_px, piece_px));
+            };
+            if (std::any_of(sets.begin(), sets.end(), wants))
+                found = true;
+            else
+                x = left + piece_px - 1;
         }
-    }
-    return false;
+    });
+    return found;
 }
 
-FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) {
+FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple, bool fill) {
     FieldFocus out{std::move(seen), {}};
     const auto width = static_cast<std::size_t>(out.image.width);
     if (simple) {
@@ -97,6 +112,7 @@ FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) 
             if (left) out.unknown[k] = 0;
         }
     }
+    if (!fill) return out;
     std::vector<float> known(out.unknown.size());
     for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - out.unknown[k];
     fill_gaps(out.image, known);
@@ -308,14 +324,16 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         }
     };
     const Crop whole{0, 0, window.width(), window.height()};
-    draw_crop(settings_.crop.value_or(whole));
-    if (settings_.crop && std::any_of(seen.begin(), seen.end(), [&](const PatchPicture& picture) {
-            return has_gaps(picture, simple, *settings_.crop);
-        }))
-        draw_crop(whole);
+    const Crop crop = settings_.crop.value_or(whole);
+    draw_crop(crop);
+    std::vector<bool> fills;
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        fills.push_back(has_gaps(seen[i], i, sets, settings_.piece_px, simple, crop));
+    if (settings_.crop && std::find(fills.begin(), fills.end(), true) != fills.end()) draw_crop(whole);
     std::vector<FieldFocus> out;
     out.reserve(seen.size());
-    for (PatchPicture& picture : seen) out.push_back(finished(std::move(picture), simple));
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        out.push_back(finished(std::move(seen[i]), simple, fills[i]));
     return out;
 }
 

@@ -61,8 +61,8 @@ struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether a square piece of the image is drawn. Other pieces are filled from the pixels around
-    /// them. If the function is empty, all pieces are drawn.
+    /// Returns whether a square piece of the image is drawn. Other pieces are undefined. If the function is
+    /// empty, all pieces are drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
     // The following functions are only used with rays (see PatchViews).

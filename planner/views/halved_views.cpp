@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "core/threads.h"
 #include "focus/responses/depth_levels.h"
 #include "pictures/crop.h"
 #include "planner/views/picture_request.h"
@@ -116,10 +117,10 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
         to = std::move(drawn);
         return;
     }
-    std::size_t k = 0;
-    for (int y = 0; y < grid_.height; ++y) {
+    parallel_for(static_cast<std::size_t>(grid_.height), [&](std::size_t row) {
+        std::size_t k = row * static_cast<std::size_t>(grid_.width);
         for (int x = 0; x < grid_.width; ++x, ++k) {
-            const std::size_t t = grid_.at(x, y);
+            const std::size_t t = grid_.at(x, static_cast<int>(row));
             const int before = of_half(views_[t], half), after = of_half(views[t], half);
             if (before >= after) continue;
             const double share = static_cast<double>(after - before) / after;
@@ -148,7 +149,7 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
             lights.aimed += more_lights.aimed;
             lights.aimed_share = more_lights.aimed_share;
         }
-    }
+    });
 }
 
 bool HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what) {
@@ -168,10 +169,10 @@ FieldFocus HalvedViews::whole() && {
     FieldFocus all = std::move(halves_[0]);
     const FieldFocus& other = halves_[1];
     if (other.image.rgb.empty()) return all;
-    std::size_t k = 0;
-    for (int y = 0; y < grid_.height; ++y) {
+    parallel_for(static_cast<std::size_t>(grid_.height), [&](std::size_t row) {
+        std::size_t k = row * static_cast<std::size_t>(grid_.width);
         for (int x = 0; x < grid_.width; ++x, ++k) {
-            const int views = views_[grid_.at(x, y)];
+            const int views = views_[grid_.at(x, static_cast<int>(row))];
             if (views < 2) continue;
             mix_pixel(other, k, static_cast<float>(static_cast<double>(of_half(views, 1)) / views), all);
             if (all.checks.empty()) continue;
@@ -179,7 +180,7 @@ FieldFocus HalvedViews::whole() && {
             all.checks[k].views += other.checks[k].views;
             all.checks[k].rays += other.checks[k].rays;
         }
-    }
+    });
     return all;
 }
 
