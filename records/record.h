@@ -37,6 +37,10 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
+    /// Returns whether `whole` starts with all bounces of this path.
+    [[nodiscard]] constexpr bool begins(NodePath whole) const {
+        return bits_ == (whole.bits_ & ((std::uint64_t{1} << (2 * depth())) - 1));
+    }
     /// Returns true if the path is valid. Each bounce has two bits. The value 3 is reserved, and 0 marks the
     /// end of the path.
     [[nodiscard]] constexpr bool valid() const {

@@ -308,7 +308,8 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
     });
     struct Edge {
         BrightSurface surface;
-        std::vector<EdgeArea> areas;
+        std::vector<EdgeArea> areas;  ///< to be measured next
+        std::map<Pixel, Measured> found = {};
     };
     std::vector<Edge> edges;
     std::size_t pixels = 0, small = 0;
@@ -332,16 +333,21 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
     while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
-    std::vector<Highlight> out;
-    for (const auto& [surface, edge] : edges) {
-        std::map<Pixel, Measured> found;
-        // Rays follow narrow light into neighbouring pixels that have no record of it.
-        for (std::vector<EdgeArea> areas = edge; !areas.empty();) {
-            std::vector<Measured> now(areas.size());
-            parallel_for(areas.size(), [&, &of = surface](std::size_t i) {
-                now[i] = of.measured(areas[i], areas[i].is_small ? finest : edge_rays, rays, less);
-            });
-            for (std::size_t i = 0; i < now.size(); ++i) found[areas[i].pixel] = std::move(now[i]);
+    // Rays follow narrow light into neighbouring pixels that have no record of it.
+    for (bool any = true; any && rays_of(finest) <= most_rays;) {
+        std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
+        for (const Edge& edge : edges) {
+            for (const EdgeArea& area : edge.areas) tasks.emplace_back(&edge, &area);
+        }
+        std::vector<Measured> now(tasks.size());
+        parallel_for(tasks.size(), [&](std::size_t i) {
+            const auto& [edge, area] = tasks[i];
+            now[i] = edge->surface.measured(*area, area->is_small ? finest : edge_rays, rays, less);
+        });
+        any = false;
+        auto next_measured = now.begin();
+        for (auto& [surface, areas, found] : edges) {
+            for (const EdgeArea& area : areas) found[area.pixel] = std::move(*next_measured++);
             std::map<Pixel, EdgeArea> next;
             for (const EdgeArea& area : areas) {
                 for (const EdgeArea& more : continued(found[area.pixel])) {
@@ -352,16 +358,21 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
             pixels += next.size();
             small += next.size();
             areas.clear();
-            if (rays_of(finest) > most_rays) break;
             for (const auto& [pixel, area] : next) areas.push_back(area);
+            any = any || !areas.empty();
         }
-        const std::size_t kept = out.size();
-        std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out),
-                     [&](const Highlight& light) { return !found.contains(pixel_of(light)); });
-        measure_slopes(std::span(out).subspan(kept), surface.node, rays);
-        for (const auto& [pixel, m] : found) out.insert(out.end(), m.lights.begin(), m.lights.end());
     }
-    mesh.highlights = std::move(out);
+    std::vector<std::vector<Highlight>> out(edges.size());
+    parallel_for(edges.size(), [&](std::size_t i) {
+        const auto& [surface, areas, found] = edges[i];
+        std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out[i]),
+                     [&](const Highlight& light) { return !found.contains(pixel_of(light)); });
+        measure_slopes(out[i], surface.node, rays);
+        for (const auto& [pixel, m] : found) out[i].insert(out[i].end(), m.lights.begin(), m.lights.end());
+    });
+    mesh.highlights.clear();
+    for (const std::vector<Highlight>& of_surface : out)
+        mesh.highlights.insert(mesh.highlights.end(), of_surface.begin(), of_surface.end());
 }
 
 }  // namespace postlens

@@ -137,6 +137,7 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
     const std::size_t sample = ray.sample;
     const auto follow = [&](dvec3 direction, double exponent, const dvec3& share, double side,
                             Purpose purpose, NodePath::Bounce bounce, std::uint64_t& count) {
+        if (!eye.left_out_of.empty() && !ray.path.child(bounce).begins(eye.left_out_of[sample].path)) return;
         dvec3 throughput = ray.throughput * share;
         const double importance = eye.importance.empty() ? 1 : eye.importance[sample];
         if (!(largest(throughput) > 0) ||
@@ -180,18 +181,21 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
                               Workspace& w, RayCounts& counts) const {
     const Scene& scene = scene_.scene();
     const Material& m = scene.materials[scene.objects[s.object].material];
-    const dvec3 colour = surface_colour(m, s);
-    const dvec3 own = ray.throughput * own_radiance(scene, m, s, colour);
-    std::uint32_t limited = no_node;
-    if (limits(ray, s.object, s.t, eye)) {
-        limited = static_cast<std::uint32_t>(w.limited.size());
-        w.limited.push_back({ray.sample, own, counts_as_left_out(ray, s.object, eye)});
-    } else {
-        eye.radiance[ray.sample] += own;
-    }
     const bool spawns = m.reflects() || m.transmission != dvec3(0);
-    const bool answers = m.answers_lights();
-    if (!spawns && (lights_.empty() || !answers)) return;
+    const bool is_wanted = wants_light(ray, s.object, eye);
+    const bool answers = is_wanted && !lights_.empty() && m.answers_lights();
+    const dvec3 colour = is_wanted ? surface_colour(m, s) : dvec3(0);
+    std::uint32_t limited = no_node;
+    if (is_wanted) {
+        const dvec3 own = ray.throughput * own_radiance(scene, m, s, colour);
+        if (limits(ray, s.object, s.t, eye)) {
+            limited = static_cast<std::uint32_t>(w.limited.size());
+            w.limited.push_back({ray.sample, own, counts_as_left_out(ray, s.object, eye)});
+        } else {
+            eye.radiance[ray.sample] += own;
+        }
+    }
+    if (!spawns && !answers) return;
     const Facing f = face(s, ray.direction);
     if (answers) light(ray, s, f, key, m, colour, limited, eye, w, counts);
     if (spawns) spawn(ray, s, f, key, m, eye, w, counts);

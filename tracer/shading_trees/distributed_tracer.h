@@ -39,7 +39,9 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    std::vector<NodeIdentity> left_out_of;  ///< per ray, the nodes that count in `left_out`; none if empty
+    /// Per ray, the only node that counts in `left_out`. Then `radiance` is not computed, and only the path
+    /// to the node is traced. If empty, `left_out` is 0.
+    std::vector<NodeIdentity> left_out_of;
 };
 
 class DistributedTracer {
@@ -77,8 +79,11 @@ class DistributedTracer {
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
     /// Returns whether EyeRays::left_out gets the radiance that clamping removes from this node.
-    /// EyeRays::left_out_of lists the nodes for which it does.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
+    /// Returns whether the light of this node is wanted, and not only that of nodes behind it.
+    [[nodiscard]] bool wants_light(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const {
+        return eye.left_out_of.empty() || counts_as_left_out(ray, object, eye);
+    }
 
     const RayScene& scene_;
     const Sampler& sampler_;
