@@ -66,7 +66,8 @@ void check_options(CLI::App& command) {
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // Suggests an option that begins with the mistyped name, or else one with a similar name.
+        // For a mistyped option, suggests an option that begins with the same letters, or else one with a
+        // similar name.
         const std::string asked = name.substr(word[1] == '-' ? 2 : 1);
         const auto longer = std::find_if(known.begin(), known.end(), [&](std::string_view other) {
             return asked.size() > 1 && other.starts_with(asked);
@@ -170,7 +171,6 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     if (state->common.dry_run && app.get_subcommands().front()->get_name() != "sweep")
         state->common.run = [work = dry_run_of(app, *state)] { return dry_run(work); };
     ParsedCommand out = state->common;
-    // `state` holds the options of the command, so the lambda keeps it alive.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -42,14 +42,15 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image that the command has made, cropped if --crop is given. Empty if it was written to a file.
-    /// `render --halves` returns two more images, each from half of the samples.
+    /// The image made by the command. Empty if the image was written to a file. `render --halves` adds two
+    /// images, each made from half of the samples.
     std::vector<Image> pictures;
-    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Only `focus` and `shoot`
-    /// with a scene set it, when they return the image.
+    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Only set by `focus` and
+    /// `shoot`, if a scene is given and the image is returned.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
-    /// Work that begins after the result is reported. `view` then serves the viewer until it is cancelled.
+    /// Work that begins after the command has printed its result: `view` runs its web server until it is
+    /// cancelled.
     std::function<void()> afterwards;
 };
 
@@ -112,15 +113,14 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Returns pointers to the file names that may differ from frame to frame: background images and object
-    /// masks.
+    /// Pointers to the names of background images and object masks, in which a placeholder is replaced by the
+    /// frame number.
     [[nodiscard]] std::vector<std::string*> files();
     /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
     }
-    /// Returns the names of the options that are given, separated by commas.
     [[nodiscard]] std::string given() const;
 };
 
@@ -135,8 +135,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR, in dB, that the method `auto` tries to reach. By default 40 dB, or no target if
-    /// takes_usual_method().
+    /// PSNR, in dB, that the method `auto` tries to reach. Default: 40 dB, or none if takes_usual_method() is
+    /// true.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -146,8 +146,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if the method is `auto` without a target PSNR, a scene or --explain. `auto` then only
-    /// selects `layers` or `scatter` (usual_method).
+    /// True if the method is `auto` without a target PSNR, a scene or --explain. `auto` then only chooses
+    /// between the methods `layers` and `scatter`.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -157,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. `merge` uses it to run a divided command again, which then only joins
-    /// the results (`join`).
+    /// Runs the command line `words`. `merge` calls this function to run a command that was divided among
+    /// machines; the run then only joins the results.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -174,7 +174,7 @@ struct ImageOptions {
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
     /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
-    /// for the exposure time of the sample file.
+    /// for the exposure time stored in the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -183,7 +183,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    /// If true, each machine computes some samples of every pixel. If false, each machine computes some rows.
+    /// If true, each machine computes some samples of every pixel. If false, it computes all samples of some
+    /// rows.
     bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
@@ -199,12 +200,12 @@ struct MotionBlurOptions {
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
     /// Times, in seconds, at which the shutter opens and closes. By default, it opens at the frame's instant,
-    /// for the exposure time of the sample file.
+    /// for the exposure time stored in the sample file.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene from which the sample file was traced. If it is given, rays replace samples whose colour the
-    /// records do not determine.
+    /// The scene from which the sample file was traced. If a scene is given, rays replace the colours that
+    /// the sample file does not determine.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -237,11 +238,11 @@ struct CompareCommandOptions {
     std::optional<Crop> crop;                      ///< part of the images that is compared
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// `map_causes` is an output image that shows the cause of each pixel's error. It needs `frame`, the
-    /// sample file from which the tested image was made.
+    /// `map_causes` is the file name of an output image that shows the cause of each pixel's error. `frame`
+    /// is the sample file from which the tested image was made.
     std::optional<std::string> map_causes, frame;
-    /// The scene from which the sample file was traced. Its rays help to find the causes of errors. `explain`
-    /// is not used.
+    /// The scene from which the sample file was traced. Rays traced in the scene help to find the causes of
+    /// errors.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes

@@ -46,7 +46,7 @@ void report(const CommandResult& result, const ParsedCommand& command) {
     } else if (!command.quiet || result.afterwards) {
         say(stdout, postlens::printable_lines(result.text));
     }
-    // With --json, the warnings are part of the JSON, and standard error contains only errors.
+    // With --json, the JSON contains the warnings, and only errors are printed to standard error.
     if (!command.json && !command.quiet) {
         for (const auto& w : result.warnings)
             say(stderr, "postlens: warning: " + postlens::printable(w.text));
@@ -80,12 +80,12 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Signals cancel this job, and with it the command. It is static, because a signal may arrive after
-    // main() has returned. run() makes another job with more threads.
+    // A signal such as SIGINT cancels this job, and with it the command. The job is static, because a signal
+    // may arrive after main() has returned.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // By default, these signals would end the program silently. When they are ignored, the failed write
-    // causes an error message.
+    // By default, these signals end the program without a message. If they are ignored, the write fails
+    // instead, and an error message is printed.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

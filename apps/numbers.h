@@ -18,7 +18,8 @@ namespace postlens {
 struct OptionRange {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool includes_low = true;
-    /// Returns a text such as "more than 0", "1 or more" or "0 to 8". It is empty if every value is accepted.
+    /// Describes the range as text, such as "more than 0", "1 or more" or "0 to 8". Empty if every value is
+    /// accepted.
     [[nodiscard]] std::string text() const;
     [[nodiscard]] bool hold(double value) const {
         return (includes_low ? value >= low : value > low) && value <= high;

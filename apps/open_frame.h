@@ -12,7 +12,8 @@
 namespace postlens {
 
 struct OpenFrame {
-    /// Opens the file. If `many` images will be made, the records stay in memory.
+    /// Opens the sample file. If `many` is true, all its records are kept in memory, so that many images can
+    /// be made quickly.
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;
@@ -24,10 +25,11 @@ struct OpenFrame {
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// Returns a lock that the caller must hold while it uses the open file. The lock is empty if `kept` is
-    /// null. Throws Error(interrupted) if the current job is cancelled while it waits for the lock.
+    /// Waits for the lock that the caller must hold while it uses the file. Empty if `kept` is null. Throws
+    /// Error(interrupted) if the current job is cancelled.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
-    /// Returns the file, read at the given exposure. Opens it again if the exposure has changed.
+    /// Returns the file with its radiance scaled by the given exposure. Opens the file again if the exposure
+    /// has changed.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

@@ -32,7 +32,7 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Old sample files state neither metres per unit nor lumens per watt. Both were 1.
+    // Old sample files do not state metres per unit and lumens per watt. Both values were 1.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

@@ -44,8 +44,7 @@ struct AskedFor {
     };
     std::vector<Input> inputs;
     /// Returns JSON that identifies the result: the version of postlens, the options, and the SHA-256 of each
-    /// input file. `file_of` returns the path of an input. Throws Error(invalid_input) if an input cannot be
-    /// read.
+    /// input file. Throws Error(invalid_input) if a file cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };

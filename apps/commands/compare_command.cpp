@@ -160,8 +160,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` is the error against o.reference minus that against *o.noise, in standard errors. Noise
-    // alone makes it exceed 4 or -4 only once in 16000 images.
+    // `preference` is the difference between the image's errors against two references, in standard errors.
+    // Noise alone exceeds 4 only once in 16000 images.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -292,7 +292,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The comparison has freed both images to save memory, so they are read again.
+        // The comparison has freed the image and the reference to save memory, so they are read again.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

@@ -63,7 +63,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that can be found without running the command, for example a missing output folder.
+    /// Throws errors that can be found without running the command, for example if the output folder is
+    /// missing.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -114,9 +115,9 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command and measures its time and memory.
+    /// Runs the command, and measures its time and memory.
     /// `more`: additional options
-    /// `amount`: replaces the number of samples or views, if the command has one
+    /// `amount`: number of samples or views, used instead of the command's own number
     /// `ending`: extension of the output file
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
@@ -155,8 +156,8 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the time as a linear function of the number of samples or views. It is measured for two
-    /// numbers, which are doubled until the two times clearly differ.
+    /// Predicts the command's time as a linear function of its number of samples or views. Measures two short
+    /// runs, which grow until their times clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -193,8 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. Its time is scaled by the same factor
-            // as that of the middle frame.
+            // This frame was measured only with few samples or views. Its full time is extrapolated by the
+            // same factor as that of the animation's middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -208,8 +209,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each task of a sweep: a fixed time plus a time for each image. Runs with one
-    /// image and with several images measure both times.
+    /// Predicts the time of each machine's images as a fixed time plus a time per image. Runs with one image
+    /// and with several images measure the two times.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -244,8 +245,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A task that computes some samples of every pixel stores several sums of radiance per pixel. An
-        // undivided run stores only one.
+        // If each machine computes some samples of every pixel, its file stores several sums of radiance per
+        // pixel, not one.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -259,8 +260,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A task makes 1/shares of the rows. So `shares` times as many samples take about as long as the
-        // measurement `whole`.
+        // Each of `shares` machines makes 1/shares of the rows. `shares` times as many samples therefore take
+        // as long as the measurement of the whole image.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -12,7 +12,7 @@ namespace postlens {
 
 /// A command whose time and memory `--dry-run` predicts.
 struct DryRun {
-    /// The words of the command line, without --share, --dry-run and the options with output names.
+    /// The words of the command line, without --share, --dry-run and the options that name output files.
     std::vector<std::string> words;
     std::string output;
     int shares = 1;
@@ -20,8 +20,8 @@ struct DryRun {
     std::optional<std::vector<int>> frames;           ///< shares are frames
     std::function<std::string(int frame)> output_of;  ///< with `frames`: returns the output file of a frame
     int pictures = 0;  ///< for a sweep, the number of its images, which are divided into shares; otherwise 0
-    /// Name of the option for the number of samples or views, such as --spp. The time of the command grows
-    /// linearly with this number. Empty if there is no such option.
+    /// Name of the option for the number of samples or views, such as --spp, on which the command's time
+    /// depends linearly. Empty if there is none.
     std::string amount_option;
     int amount = 0;
 };

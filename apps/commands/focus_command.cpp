@@ -51,9 +51,8 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // In the file, the f-number is film distance / aperture diameter. In `lens`, it is focal length /
-    // aperture diameter, so it is converted. The focus distance does not change which hidden surfaces a lens
-    // sees.
+    // A sample file states the f-number as film distance / aperture diameter, but `lens` as focal length /
+    // aperture diameter. So it is converted.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -76,10 +75,12 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
+    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
+    // be a sample file.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // Units are checked only for sample files. For other files, the reader below throws a clearer error.
+    // Options for units are checked only for sample files. For files of other formats, open_frame throws a
+    // clearer error.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -89,7 +90,8 @@ CommandResult run_focus(const FocusOptions& options) {
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
-        // A pinhole needs neither option: its f-number is infinite, and its focus distance has no effect.
+        // A pinhole image needs neither --f-number nor --focus: the f-number is infinite, and the focus
+        // distance has no effect.
         lens_options.f_number = std::numeric_limits<double>::infinity();
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
@@ -129,7 +131,7 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, even a pinhole image (f/inf) uses rays, because they find surfaces between the recorded
+    // If a scene is given, even a pinhole image is made with rays, to find surfaces between the recorded
     // points.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
@@ -149,8 +151,8 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of reflections and refractions that move nonlinearly over the lens, because the records assume
-    // linear motion. With a scene, rays replace the wrong samples.
+    // Warns of reflections and refractions whose image moves nonlinearly when the lens point moves. The
+    // stored matrices W describe only linear motion.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

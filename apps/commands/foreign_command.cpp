@@ -159,7 +159,8 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // Only sample files cause this error. For other kinds of file, the reader throws a clearer error later.
+    // Only sample files cause this error. For files of other formats, the reader throws a clearer error
+    // later.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -219,8 +220,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // `choice` describes the camera that rendered the image. A lens prescription describes another lens,
-    // which is simulated.
+    // `choice` describes the camera that rendered the image. A lens prescription describes a different lens,
+    // which is to be simulated.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -231,8 +232,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Most extra output channels (--passes) are computed from views (images from single lens points). They
-    // allow --views for every method.
+    // --views is allowed for every method if an extra output channel is computed from views (images seen from
+    // single lens points).
     check_depth_options(options.spacing, options.depth_model, method);
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);

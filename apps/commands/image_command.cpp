@@ -8,7 +8,8 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
+    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
+    // be a sample file.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

@@ -112,7 +112,6 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
         return *std::move(part);
     };
     RenderState sum;
-    // First checks the descriptions of all files, without reading their sums of radiance.
     for (const std::string& name : names) {
         const RenderPart part = read(name, true);
         PartFacts facts{name, Json::parse(part.mark, nullptr, false), {}};

@@ -30,8 +30,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the indices of the shares, out of `count`, whose files are missing. Throws if any is missing,
-    /// unless `partial` is set.
+    /// Returns the indices, from 0 to count - 1, of the machines whose files are missing. Throws if a file is
+    /// missing and `partial` is false.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

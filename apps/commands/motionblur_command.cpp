@@ -186,7 +186,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // `shoot` requires a focus distance. With a pinhole, any value gives the same image.
+    // `shoot` requires a focus distance, although a pinhole image does not depend on it.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);
@@ -216,11 +216,12 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // A damaged header may not show what kind of file this is. With --salvage, a sample file is assumed.
+    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
+    // be a sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // Refuses options that do not apply to sample files. For other files, the reader below throws a clearer
-    // error.
+    // Refuses options that do not apply to sample files. For files of other formats, the reader throws a
+    // clearer error later.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,
@@ -249,7 +250,6 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     const SampleFileReader& file = open->file;
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
-    // These are the settings of a pinhole. The focus distance has no effect.
     const FocusSettings pinhole{
         .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
         .crop = settings.crop};

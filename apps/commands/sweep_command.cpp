@@ -26,7 +26,8 @@ SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
     out.focus_m = o.focus ? focus_list("--focus", *o.focus) : only(h.focus_m);
     if (o.settings.picture.method == FocusMethod::pinhole) {
-        // A pinhole needs no f-number and no focus distance, so these options are not required.
+        // A pinhole image needs neither --f-number nor --focus: the f-number is infinite, and the focus
+        // distance has no effect.
         if (!o.f_number) out.f_numbers = {std::numeric_limits<double>::infinity()};
         if (out.focus_m.empty()) out.focus_m = {1};
     }
@@ -87,8 +88,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // All images may have the same warning of an insufficient sample file. So only the first is reported,
-    // with the number of images.
+    // Only the first image's warning of an insufficient sample file is reported, with the number of images
+    // that have this warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {
@@ -154,7 +155,8 @@ CommandResult run_sweep(const SweepOptions& o) {
                          result.missing.size(), all, result.missing.front()),
              static_cast<double>(result.missing.size()) / static_cast<double>(all)});
     }
-    // Warnings about exposure concern only the display of the images, so --strict ignores them.
+    // The exposure affects only how images are displayed, so its warnings do not fail a command with
+    // --strict.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))
         out.exit_code = ExitCode::shortfall;

@@ -40,7 +40,8 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
     };
     LensModels models(lens, traced);
     const PolynomialLens polynomial = fit_polynomial_lens(lens, traced, range_of(o.samples));
-    // Errors are also measured halfway between the fitted samples, where a fit may be worse.
+    // The errors of the fitted lens model are also measured halfway between the fitted samples, where they
+    // may be larger.
     const LensModelRange range = range_of(2 * o.samples - 1);
     models.set_polynomial(polynomial);
     const double px_per_mm = 1000 / o.pixel_pitch_um;

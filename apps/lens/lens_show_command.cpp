@@ -77,8 +77,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Rays cannot be traced through a diverging lens, so only its first-order data are reported. If a
-    // drawing, an f-number or a focus distance is requested, TracedLens throws.
+    // Rays cannot be traced through a diverging lens. Only its first-order data are reported, unless an
+    // option needs traced rays: then TracedLens throws.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

@@ -121,7 +121,7 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // `scale` is the image height, in mm, per tangent of the field angle. Close to the axis, it is free of
+    // Image height in mm per tangent of the field angle, measured close to the axis, where the lens has no
     // distortion.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;

@@ -80,8 +80,8 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                            .path = path,
                            .written = written,
                            .numbered = positional || written,
-                           // In a file name, # stands for a digit of the frame number, but not in the name of
-                           // a scene.
+                           // # stands for a digit of the frame number in every file name except that of a
+                           // scene.
                            .hashes = option->get_name() != "scene"});
         }
     }
@@ -103,8 +103,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // These options do not change the result. They change only where and how fast it is computed, and which
-    // messages are printed.
+    // Options that do not change the result, but only where and how fast it is computed, and which messages
+    // are printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -116,7 +116,8 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // With --frames, only positional arguments and these options can name other files in each frame.
+        // With --frames, only positional arguments and these options accept a placeholder for the frame
+        // number in the file name.
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);
@@ -158,8 +159,8 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // The value is written as --name=value, because it may begin with a dash. As a separate word, it
-            // would then be parsed as an option.
+            // The value is written as --name=value. As a separate word, a value that begins with a dash would
+            // be parsed as an option.
             if (option->get_positional())
                 out.push_back(text);
             else

@@ -145,8 +145,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // For `auto`, all frames have the exposure of the first frame. Each frame stores it, because
-            // --keep must make all frames again if it changes.
+            // `auto` gives all frames the exposure of the first frame. It is stored with each frame, so that
+            // --keep makes all frames again if it changes.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

@@ -63,7 +63,7 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // Rows are written in order, so a file whose last row can be read is complete.
+        // The rows of a sample file are written in order. If the last row can be read, the file is complete.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -91,8 +91,8 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // The stored settings passed through `text_of`, which replaces invalid UTF-8. So `made_by` must pass
-    // through it too.
+    // Invalid UTF-8 was replaced by `text_of` when the settings were stored. `made_by` is compared with them,
+    // so it is converted too.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

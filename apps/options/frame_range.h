@@ -24,7 +24,7 @@ class FrameName {
     [[nodiscard]] std::string of(int frame) const;
 
   private:
-    /// The text before, between and after the placeholders: one entry more than there are placeholders.
+    /// The parts of the file name before, between and after the placeholders for the frame number.
     std::vector<std::string> words_;
     std::vector<int> digits_;  ///< least number of digits of each placeholder
 };
@@ -35,10 +35,11 @@ struct FrameOptions {
     std::optional<double> fps;  ///< for trace and render; 24 if absent
     bool keep =
         false;  ///< skip a frame if its output is complete and was made from the same inputs and options
-    /// Returns the options and inputs that determine the result for one frame. They are written to the
-    /// frame's file.
+    /// Returns the options and inputs on which a frame's result depends. They are stored in the frame's
+    /// output file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
-    /// The share of this machine: every N-th frame with --frames, otherwise a part of the image.
+    /// The part of the work that this machine does: every N-th frame with --frames, otherwise a part of the
+    /// image.
     std::optional<SharedWork> shared;
     bool speak = false;  ///< print a line after each frame
 };
@@ -48,7 +49,7 @@ struct FrameFiles {
     std::string input, output;
     std::optional<std::string> explain;  ///< explanation image to write
     bool halves = false;                 ///< also writes the two halves (tracer/render.h)
-    /// Separate files with depths, ids and other channels of the input. Names may be empty.
+    /// Names of separate input files with depths, object ids and other channels. A name may be empty.
     std::vector<std::string> passes;
 };
 

@@ -37,7 +37,8 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // Without a placeholder, the file is the same in every frame, so it is added only once.
+        // A file name without a placeholder for the frame number names the same file in every frame, so it is
+        // added only once.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

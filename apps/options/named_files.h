@@ -11,8 +11,8 @@ struct NamedFile {
     std::string option;  ///< name of the option for messages
     std::string path;
     bool written = false;
-    /// `numbered` allows placeholders such as %04d for the frame number, if --frames is given. `hashes` also
-    /// allows # (frame_range.h).
+    /// With --frames, `numbered` allows placeholders such as %04d for the frame number. `hashes` also allows
+    /// # for each digit.
     bool numbered = false, hashes = false;
 };
 

@@ -18,7 +18,8 @@ struct HalvedImage {
 struct ErrorReference {
     Image image;
     int spp = 0;
-    /// Standard deviation of the noise of each pixel, in sRGB values, averaged over the neighbouring pixels.
+    /// Standard deviation of each pixel's noise, in sRGB values from 0 to 1, averaged over neighbouring
+    /// pixels.
     std::vector<float> noise;
 };
 

@@ -36,7 +36,8 @@ CommandResult run_view(const ViewOptions& options) {
         if (open) open_in_browser(viewer->server.address());
         Job& job = Job::current();
         std::jthread watcher([&](const std::stop_token& served) {
-            // `stop` has no effect before the server serves, so it is repeated until `serve` ends.
+            // `server.stop` has no effect before the server has started, so it is repeated until the server
+            // ends.
             while (!served.stop_requested()) {
                 if (job.cancelled()) {
                     viewer->session.stop();

@@ -107,10 +107,11 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // No lens can focus on a negative inverse distance, so it becomes 0 (infinity).
+        // A negative inverse focus distance, on which no lens can focus, is replaced by 0 (focus at
+        // infinity).
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
-        // The total size in bytes is estimated from a single image at the middle focus distance.
+        // The total size of all images, in bytes, is estimated from one image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
@@ -134,8 +135,8 @@ class Exporter {
     }
 
   private:
-    /// Returns the bytes of a JPEG image. For sample files, it is the mean of 64 views (images from single
-    /// lens points). Images of other programs are blurred by the method `layers`.
+    /// Returns a refocused image as JPEG bytes. For sample files, it is the mean of 64 images, each seen from
+    /// one lens point.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};
@@ -175,7 +176,8 @@ class Exporter {
         data["depths"] =
             data_uri("image/png", png_file(depth_map(inverse, width_, height_, greatest), "depths"));
         std::string json = json_dump(data);
-        // Replaces '<', because a name in the JSON could contain the end tag of the script element.
+        // Escapes '<', because an object name in the JSON could contain "</script>" and so end the script
+        // element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
             json.replace(at, 1, "\\u003c");
         std::string page(page_file("export.html")->text);

@@ -57,8 +57,8 @@ struct ViewServer::Impl {
     httplib::Server server;
     std::string token = random_token(), address;
 
-    /// Returns the part of a path after "/TOKEN/", or an empty value if the token is wrong. The comparison
-    /// takes constant time, so that its duration does not reveal the token.
+    /// Returns the part of the URL's path after "/TOKEN/", or nothing if the token is wrong. The comparison
+    /// takes constant time, so as not to reveal the token.
     [[nodiscard]] std::optional<std::string> behind_token(const std::string& path) const {
         if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/')
             return std::nullopt;
@@ -110,8 +110,8 @@ struct ViewServer::Impl {
 
 ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<Impl>()) {
     httplib::Server& server = impl_->server;
-    // An idle connection occupies a thread until its timeout. So there are many threads, and timeouts are
-    // short.
+    // An idle connection occupies a thread until its timeout. Many threads and short timeouts keep the server
+    // responsive.
     constexpr std::size_t threads = 32;
     constexpr time_t patience_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // NOLINT: the server deletes it
@@ -120,8 +120,8 @@ ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // The browser process must not inherit the socket (FD_CLOEXEC). SO_REUSEPORT would let another program
-    // share the port.
+    // The browser process must not inherit the socket (FD_CLOEXEC). SO_REUSEPORT is not set, because another
+    // program could then share the port.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

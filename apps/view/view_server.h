@@ -13,7 +13,8 @@ namespace postlens {
 /// The page loads nothing from other servers.
 class ViewServer {
   public:
-    /// Binds the port, or any free port if `port` is 0. Throws Error(wrong_arguments) if the port is in use.
+    /// Listens on the given TCP port, or on any free port if `port` is 0. Throws Error(wrong_arguments) if
+    /// the port is in use.
     ViewServer(ViewSession& session, int port);
     ~ViewServer();
     ViewServer(const ViewServer&) = delete;

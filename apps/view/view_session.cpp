@@ -69,8 +69,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page needs only the noise (mean squared error) of each tile, a square of the image. The rest of
-        // `plan` is not sent.
+        // Of the rendering plan, the web page needs only the noise (mean squared error) of each tile, a
+        // square of the image.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -185,7 +185,7 @@ ViewSession::ViewSession(ViewOptions options)
         fail(ExitCode::invalid_input, "{}: not a scene (got the kind {}; expected the scene of {})",
              *options_.scene, of_scene["kind"].dump(), options_.input);
     }
-    // Checks, by the SHA-256, that the sample file was traced from this scene.
+    // Compares SHA-256 hashes, to check that the sample file was traced from this scene.
     if (facts_[key] != of_scene.at(key)) {
         fail(ExitCode::invalid_input,
              "{}: is not the scene that {} was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
@@ -249,8 +249,8 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         check_value(name, value);
         words.push_back(option(name, value));
     }
-    // The image gets the raster, the field of view and the exposure of the frame, so that the two can be
-    // compared.
+    // The ray-traced image gets the size, the field of view and the exposure of the sample file's image, so
+    // that the images can be compared.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {

@@ -40,7 +40,7 @@ class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);
 
-    /// Returns what the page needs at its start: size, camera, lens and file names.
+    /// Returns what the web page needs when it is opened: image size, camera, lens and file names.
     [[nodiscard]] ViewReply frame() const;
     /// Returns an image made by `focus`, or by `shoot` if the parameters have a shutter. The body consists
     /// of:
@@ -50,18 +50,17 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). The
-    /// JSON states the width of its pixels, in pixels of the frame, as "by". Refuses the parameters crop and
-    /// focus-at, and images of other programs.
+    /// Returns a quick image of fewer, larger pixels, in the format of `picture`. In the JSON, "by" is the
+    /// width of such a pixel in pixels of the full image.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns an image of the scene made by `render`, that is, only by rays, in the format of `picture`.
-    /// Cancels only older requests for `render`.
+    /// Returns a ray-traced image of the scene, in the format of `picture`. Cancels an older request only if
+    /// it is for a ray-traced image.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns what a pixel shows (ViewedFrame::pixel). The parameters are the position x and y in px,
-    /// f-number, focal-length and focus.
+    /// Returns which surfaces a pixel shows. The parameters are the position x and y in px, f-number,
+    /// focal-length and focus.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns the ids of all pixels (32 bits each), then their inverse focus distances (half floats, in
-    /// 1/m). See ImageDepths.
+    /// Returns the object ids of all pixels (32 bits each), then the inverse distances at which they are in
+    /// focus (half floats, in 1/m).
     [[nodiscard]] ViewReply depths();
     /// Returns the cause of each pixel's error in the image that `picture` returns for the same parameters.
     /// The error is the difference to a ray-traced reference (find_error_causes). The body consists of:
@@ -70,19 +69,19 @@ class ViewSession {
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();
-    /// Returns the image as a file, written by `focus` or `shoot`. The parameter `format` is png or exr.
+    /// Returns the image as a file for download. The parameter `format` is png or exr.
     [[nodiscard]] ViewReply save(const ViewParameters& parameters);
     /// Cancels all work.
     void stop();
 
   private:
-    /// State of one kind of request. Only one request of each kind runs at a time.
+    /// State of one kind of request to the server. Only one request of each kind runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`
         std::shared_ptr<Job> current;
     };
-    /// An image made by `focus` or `shoot`, and the arguments of the command that made it.
+    /// An image made by the command `focus` or `shoot`, and the arguments of this command.
     struct MadeImage {
         std::vector<std::string> words;
         Image image;
@@ -91,8 +90,7 @@ class ViewSession {
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
                                                     const std::string& input) const;
-    /// Returns the words of a `render` command with the lens and shutter of `parameters`. Ignores other
-    /// parameters.
+    /// Returns the words of a `render` command line with the lens and shutter of `parameters`.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
     [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,

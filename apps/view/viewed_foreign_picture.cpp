@@ -23,8 +23,8 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// The page must show the depths that `focus` uses, so the image is read with the default options of
-    /// `focus`.
+    /// The web page must show the depths that the command `focus` uses, so the image is read with the default
+    /// options of `focus`.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -73,8 +73,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by their light. Each has a light of at least 1e-12 times its alpha, so that
-            // black samples are sorted by alpha.
+            // A pixel's samples are sorted by luminance, the brightest first. The lower limit, 1e-12 times
+            // alpha, sorts black samples by their alpha.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -94,8 +94,8 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// Returns the lens of the options, or else of the file. Returns an empty value if the f-number or the
-    /// focus distance is missing.
+    /// Returns the lens given by the options, or else by the file. Empty if the f-number or the focus
+    /// distance is not known.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;
@@ -108,7 +108,8 @@ class ViewedForeignPicture : public ViewedFrame {
                               Framing::keep, {film_distance_mm, picture_.pixel_pitch_mm()});
     }
 
-    /// Describes a sample as JSON. If `sample` is null, describes the background, which is infinitely far.
+    /// Describes a sample of a pixel as JSON. A null `sample` stands for the background, which is infinitely
+    /// far.
     [[nodiscard]] Json node_of(const StackSample* sample,
                                const std::optional<FocusGeometry>& geometry) const {
         const double inverse_m = sample == nullptr ? 0 : static_cast<double>(sample->inverse_z);
@@ -125,8 +126,8 @@ class ViewedForeignPicture : public ViewedFrame {
         return node;
     }
 
-    /// Returns the name of an object, or its id if the image has no name for it. The text is empty for the id
-    /// 0, which means no object.
+    /// Returns the name of an object, or its id as text if the object has no name. Empty for the id 0, which
+    /// means no object.
     [[nodiscard]] std::string name_of(std::uint32_t id) const {
         if (id == 0) return "";
         if (const auto found = names_.find(id); found != names_.end()) return found->second;

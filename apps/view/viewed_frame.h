@@ -36,17 +36,18 @@ class ViewedFrame {
     ///   It is null if the file stores nothing there.
     /// Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
-    /// Returns the sample file, which stays open for further images. Null for another program's image.
+    /// Returns the opened sample file, which is used again for further images. Null if the file is not a
+    /// sample file.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
-    /// A sample file for quick images. Its pixels are `by` times as wide and high as those of the frame.
+    /// A reduced sample file for quick images. Its pixels are `by` times as wide and high as those of the
+    /// full image.
     struct Records {
         std::string input;
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Returns a temporary file with fewer records than the frame, for quick images (write_coarser_file).
-    /// Returns the frame's own file if it is small. Throws Error(wrong_arguments) for another program's
-    /// image.
+    /// Returns a reduced sample file for quick images, or the original if it is small. Throws
+    /// Error(wrong_arguments) for an image of another program.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 

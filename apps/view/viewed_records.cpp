@@ -84,20 +84,20 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means focus at infinity. It also stands for a negative inverse distance, on which no lens
-            // can focus.
+            // Null means focus at infinity. A negative inverse distance, on which no lens can focus, is also
+            // reported as null.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
         }
-        // A click focuses on the node that contributes most of the light.
+        // A click in the image focuses on the surface that contributes most of the pixel's light.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // A frame below these limits needs no reduced copy: two cores make a quick image of it in about 50
+        // A sample file below these limits is not reduced, because two cores make an image of it in about 50
         // ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
