@@ -26,8 +26,8 @@ struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// `byte` is the sRGB byte at the beginning of a cell. `next` holds the bits of the smallest float whose
-    /// byte is larger by 1.
+    /// `byte[i]` is the sRGB byte of the smallest float in cell i of the table. `next[i]` holds the bits of
+    /// the float from which on the byte is larger.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -75,7 +75,7 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // An exception must not propagate through libpng, which is C code. So png_error reports the error.
+    // libpng is C code, through which no C++ exception may propagate. So png_error reports the error.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -98,8 +98,8 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                  8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // For rendered images, the filter Sub compresses as well as the best filter for each row. Level 3 makes
-    // 10 % larger files than the default, in a third of the time.
+    // For rendered images, the PNG filter "Sub" alone compresses as well as the best filter of each row.
+    // Level 3 takes a third of the default's time.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);

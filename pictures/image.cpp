@@ -73,8 +73,8 @@ struct Place {
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Many programs expect an OpenEXR image to have alpha. So an opaque image gets an alpha of 1, stored as
-    // half floats.
+    // Many programs expect an OpenEXR image to have an alpha channel. An opaque image gets an alpha of 1,
+    // stored as half floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -144,7 +144,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // Loading the library here reports that it is missing before the image is computed.
+    // The image library is loaded now, so that an error is reported before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -167,7 +167,7 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
              width, height, most_jpeg_px);
     }
     OutputFile file(path);  // fails early if the file cannot be written
-    // An .exr file stores radiance, so the exposure is removed from the values.
+    // OpenEXR files store radiance, so the exposure is removed from the values.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();
     if (divided) {
@@ -186,7 +186,8 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// Rectangle of the returned image in the file: the display window, or for a crop its data window.
+    /// Rectangle of the file's pixels that is read: the display window, or for a cropped image its data
+    /// window.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -210,8 +211,8 @@ OpenedImage open_image(const fs::path& path) {
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;
     out.height = has_display_window ? spec.full_height : spec.height;
-    // Header sizes are compared with the size of the file, so that a damaged header does not cause a large
-    // allocation. Deflate reaches a compression ratio of at most 1032.
+    // A damaged header could cause a large allocation, so the image size is compared with the file size.
+    // Deflate compresses by a factor of at most 1032.
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
             static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 3 * sizeof(float);
@@ -264,7 +265,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values are read into the first third of the array, and then expanded to RGB.
+    // Grey values are read into the first third of the array, and then expanded to RGB in place.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), reason_of(problem));
     if (channels == 1) {
@@ -274,7 +275,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // In sRGB formats, 1 is white. The exposure is unknown unless the attribute states it.
+    // 8-bit and 16-bit sRGB values of 1 mean white, so the exposure is unknown unless the file states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

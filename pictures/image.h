@@ -20,10 +20,10 @@ struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
-    /// Exposure of the image: `rgb` is radiance times 2^exposure_stops. Empty if it is unknown, as in 8-bit
+    /// The values in `rgb` are radiance times 2^exposure_stops. Empty if the exposure is unknown, as in 8-bit
     /// and 16-bit files of other programs.
     std::optional<double> exposure_stops = 0.0;
-    /// An additional channel with one value per pixel. The exposure does not affect these values.
+    /// An additional channel with one value per pixel, which is not scaled by the exposure.
     struct Plane {
         std::string name;
         std::vector<float> values;

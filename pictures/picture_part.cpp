@@ -80,7 +80,7 @@ std::optional<PicturePart> read_picture_part(const std::filesystem::path& path) 
         out.place = {data.min.x, data.min.y, data.max.x - data.min.x + 1, data.max.y - data.min.y + 1};
         const auto pixels =
             static_cast<std::uint64_t>(out.place.width) * static_cast<std::uint64_t>(out.place.height);
-        // The file of a part of an image is not compressed, so it is at least as large as its pixels.
+        // The file is not compressed, so it must be at least as large as its pixels.
         if (header.compression() != Imf::NO_COMPRESSION ||
             pixels * 3 * sizeof(float) > std::filesystem::file_size(path))
             bad("it is too short for its pixels");

@@ -46,8 +46,8 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Computes prefix sums of eight bytes in a 64-bit word. It adds the word to itself three times, shifted
-    // by 1, 2 and 4 bytes. `add` adds byte by byte, without carry.
+    // Computes prefix sums of 8 bytes in a 64-bit word, which is added to itself three times, shifted by 1, 2
+    // and 4 bytes. `add` adds without carry between bytes.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -172,8 +172,8 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The output must be at least one byte shorter than `raw`. Otherwise, the chunk is stored
-        // uncompressed.
+        // The limit of one byte less makes libdeflate fail if the data do not become smaller. The chunk is
+        // then stored uncompressed.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }

@@ -33,11 +33,11 @@ class ChunkCodec {
     ChunkCodec(ChunkCodec&&) = delete;
     ChunkCodec& operator=(ChunkCodec&&) = delete;
 
-    /// Compresses `raw` into `packed` and returns the chunk. Returns `raw` itself if it would not become
-    /// smaller. OpenEXR recognises an uncompressed chunk by its size.
+    /// Compresses `raw` into `packed`. Returns `raw` if it does not become smaller: OpenEXR recognises an
+    /// uncompressed chunk by its size.
     [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
 
-    /// Expands `packed` into `raw`. Returns false if `packed` is damaged or does not fill `raw` exactly.
+    /// Decompresses `packed` into `raw`. Returns false if `packed` is damaged or does not fill `raw` exactly.
     [[nodiscard]] bool decompress(ChunkCompression compression, ByteView packed, std::span<std::uint8_t> raw);
 
   private:

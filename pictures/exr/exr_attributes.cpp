@@ -92,7 +92,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-    // The OpenEXR library assumes ZIP if a part does not state its compression.
+    // The OpenEXR library assumes ZIP compression if the file does not state one.
     constexpr std::size_t zip = 3;
     const std::size_t packed = compression && !compression->empty() ? (*compression)[0] : zip;
     std::array<std::uint32_t, 2> tile{};
@@ -101,7 +101,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // The OpenEXR library gives a small data window to a scanline part that has none. So its chunks are
+    // If a scanline image has no data window, the OpenEXR library assumes a small one, so its chunks are
     // small.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;

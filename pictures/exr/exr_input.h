@@ -27,7 +27,7 @@ class InputFile {
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
-    /// Reads from position `offset` until `out` is full. Throws if the file ends before that.
+    /// Reads from byte `offset` of the file until `out` is full. Throws if the file ends before.
     void read_at(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
   private:

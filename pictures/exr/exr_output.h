@@ -31,12 +31,12 @@ class ExrOutput {
     ExrOutput(ExrOutput&&) = delete;
     ExrOutput& operator=(ExrOutput&&) = delete;
 
-    /// Writes the next chunk of a flat part. y is the first scanline of the chunk.
+    /// Writes the next chunk of a part with flat pixels. `y` is the chunk's first scanline.
     void write_flat_chunk(int part, int y, ByteView data);
-    /// Writes the next chunk of a deep part. y is the first scanline of the chunk.
+    /// Writes the next chunk of a part with deep pixels. `y` is the chunk's first scanline.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions into its reserved space, and closes the file. Returns the size of
-    /// the file in bytes.
+    /// Writes the table of chunk positions at the beginning of the file, and closes the file. Returns the
+    /// file's size in bytes.
     std::uint64_t finish();
     /// Returns the XXH3 hash of the finished file, or empty if it was not written from front to back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;

@@ -22,7 +22,8 @@ Imf::Header header_of(const FlatExr& picture) {
         return Imath::Box2i(Imath::V2i(w.x_min, w.y_min), Imath::V2i(w.x_max, w.y_max));
     };
     Imf::Header out(box(picture.display), box(picture.data));
-    // A cast is enough, because both enumerations have the numbers of the file format.
+    // The cast is valid because the enumerations of the OpenEXR library and of this program use the numbers
+    // of the file format.
     out.compression() = static_cast<Imf::Compression>(picture.compression);
     for (const auto& [name, text] : picture.texts) out.insert(name.c_str(), Imf::StringAttribute(text));
     for (const FlatExr::Channel& c : picture.channels)

@@ -15,8 +15,8 @@
 namespace postlens {
 
 struct FlatExr {
-    /// `first` is the channel's value at pixel (0, 0). The next pixel is `pixel_bytes` away, and the next row
-    /// is `row_bytes` away.
+    /// An image channel. `first` points to its value at pixel (0, 0). `pixel_bytes` and `row_bytes` are the
+    /// distances to the next pixel and row.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;

@@ -95,7 +95,7 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     const auto [before, letter] = split_channel(name);
     const std::string last = lower_case(letter);
     const ChannelGroup group = channel_group(file, part, before, depth_words);
-    // If there are also channels X and Y, a channel Z is a component of a vector, not a depth.
+    // If there are also channels X and Y, the channel Z is a component of a vector, not a depth.
     const bool has_x =
         p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
     if (last == "z" && (group.has_pass || !has_x)) {
@@ -105,7 +105,8 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))
         return GroupCandidate{group, name, 3};
     if (group.has_pass && last == "r") return GroupCandidate{group, name, 4};
-    // Mitsuba names the depth AOV.T. If there is also a channel S, T is a texture coordinate.
+    // The renderer Mitsuba names the depth channel AOV.T. If there is also a channel S, T is a texture
+    // coordinate.
     if (letter == "T" && !before.empty() && !p.has(before + "S") && !names_vectors(group.layer))
         return GroupCandidate{group, name, 5};
     return {};

@@ -263,8 +263,8 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest) {
-    // The parser reports errors without exceptions (`false`). It is not recursive, so deeply nested JSON is
-    // no danger.
+    // The argument `false` makes the parser return errors without exceptions. It is not recursive, so deeply
+    // nested JSON cannot overflow the call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<ManifestObject> objects;
@@ -306,8 +306,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // Exponents of 0 and 255 stand for zero, denormal, infinite and NaN. Compositors may change the bits of
-    // such floats, so the lowest bit of these exponents is flipped.
+    // Exponents 0 and 255 stand for denormal, infinite and NaN floats, whose bits compositors may change. So
+    // the lowest bit of the exponent is flipped.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -40,10 +40,11 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
     if (volumes.empty()) return;
-    // Sorting makes the result, including rounding errors, independent of the order of samples in the file.
+    // Sorts the deep samples, so that the result does not depend on their order in the file, not even by
+    // rounding errors.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
-            // NaN cannot be ordered, so the bits of the colours are compared.
+            // The order of NaN is not defined, so the bits of the colours are compared.
             const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
             return std::tuple(s.z, s.z_back, s.alpha, bits(s.r), bits(s.g), bits(s.b), s.id);
         };
@@ -60,7 +61,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // If no surface or other volume lies inside a volume, the samples stay unchanged.
+    // If no surface or other volume lies inside a volume, the deep samples stay unchanged.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

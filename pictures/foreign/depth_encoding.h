@@ -12,7 +12,7 @@ struct DepthEncoding {
     Kind kind = Kind::distance;
     double at_0 = 0, at_1 = 1;
 
-    /// Returns the distance for a value. A result of 0 or infinity means infinitely far.
+    /// Converts a stored depth value to a distance. The results 0 and infinity mean infinitely far.
     [[nodiscard]] float distance(float value) const {
         switch (kind) {
             case Kind::distance:

@@ -50,7 +50,8 @@ class Mender {
   private:
     [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
 
-    /// Calls visit(pixel) for all pixels within `reach` px of pixel i, but not for i itself.
+    /// Calls visit(pixel) for every pixel whose row and column differ from those of pixel i by at most
+    /// `reach`, but not for i.
     template <typename Visit>
     void around(std::size_t i, std::size_t reach, const Visit& visit) const {
         const std::size_t x = i % width_, y = i / width_;
@@ -81,8 +82,8 @@ class Mender {
         }
     }
 
-    /// The depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp
-    /// extends over several. `mixed` lists the pixels whose depth is a mean of two depths.
+    /// Depth edges found along rows or columns. A jump lies between two adjacent pixels; a ramp extends over
+    /// several pixels with mixed depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,8 +108,8 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// Returns true if neighbouring pixels of depths a and b, beside an edge of height `step`, can belong to
-    /// one surface. a == b covers infinite depths, whose difference is NaN.
+    /// True if neighbouring pixels of depths a and b can belong to one surface, beside a depth edge of height
+    /// `step`. a == b covers two infinite depths.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -127,8 +128,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels `begin` and `end` may be slightly mixed. So the depths of both surfaces are
-                // extrapolated from pixels outside the edge.
+                // The pixels `begin` and `end` may also have slightly mixed depths. The depths of the two
+                // surfaces are therefore extrapolated from the pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -142,7 +143,8 @@ class Mender {
         }
     }
 
-    /// Extrapolates the depth of a surface towards an edge from the last two pixels of the surface.
+    /// Extrapolates the depth of a surface by one pixel, towards a depth edge, from the surface's last two
+    /// pixels.
     [[nodiscard]] static float goes_on(float last, float before, double step) {
         return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
     }
@@ -151,8 +153,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // The depth must change noticeably at both ends of the ramp. Otherwise the last pixel there belongs
-        // to the surface beside the ramp.
+        // The depth must change noticeably at the two ends of a ramp. Otherwise, the last pixel is part of
+        // the surface beside the ramp.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -174,8 +176,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel may be found in its row and in its column. The result with the larger step (near - far) is
-        // kept, because a row along an edge may contain only mixed depths.
+        // A mixed depth may be found along a row and along a column. The larger depth step is kept, because a
+        // row along an edge may contain only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -190,8 +192,8 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Repairs pixels at silhouettes in front of empty space, whose depth the filter has made infinite. They
-    /// get the depth of the nearest opaque surface within 2 px.
+    /// Repairs silhouette pixels in front of empty space, whose depth became infinite by filtering. Their new
+    /// depth is that of the nearest opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

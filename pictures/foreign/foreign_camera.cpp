@@ -61,7 +61,8 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part, std::ve
                 "(--film-distance)");
         }
     }
-    // The OpenEXR library writes a screenWindowWidth of 1 by default, so 1 means unknown.
+    // The OpenEXR library writes a screenWindowWidth of 1 if the program sets none, so the value 1 is
+    // ignored.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;
@@ -73,8 +74,8 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // If NDC runs from 0 to 1, the projection adds 0.5 w to x, to move the centre to 0.5. If NDC runs from -1
-    // to 1, it adds nothing.
+    // If normalised device coordinates (NDC) run from 0 to 1, the projection matrix adds 0.5 w to x. If they
+    // run from -1 to 1, it adds nothing.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;
@@ -113,7 +114,7 @@ ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const Fo
         out.film_distance_from_focal_length = true;
         assume("the film's distance", out.film_distance_mm, " mm", "--film-distance");
     }
-    // screenWindowCenter has the unit of screenWindowWidth, whatever that is. y points upwards.
+    // screenWindowCenter has the same unit as screenWindowWidth. Its y points upwards.
     const auto centre = file.pair(part, "screenWindowCenter");
     const auto window = attribute(file, part, "screenWindowWidth");
     if (centre && window) {

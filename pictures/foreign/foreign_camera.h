@@ -18,8 +18,8 @@ enum class DepthAlong {
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
-    /// Pixels of the display window outside the frame, on every side. `film_width_mm` is the film width of
-    /// the frame alone.
+    /// Width of the rendered margin around the image, in pixels of the display window on every side.
+    /// `film_width_mm` excludes this margin.
     int overscan_px = 0;
 };
 
@@ -29,14 +29,14 @@ struct ForeignCamera {
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// Offset of the centre of the display window from the optical axis, to the right and down, on a film at
-    /// distance 1. It is nonzero if the lens is shifted.
+    /// Offset of the image's centre from the optical axis, to the right and down, divided by the film
+    /// distance. Nonzero for a shifted lens.
     double centre_x = 0, centre_y = 0;
-    /// True if neither the file nor the user states the film distance. The film distance is then the user's
-    /// focal length, or the default.
+    /// True if the film distance is not stated by the file or the user. It is then assumed to be the focal
+    /// length.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
-    /// Describes each value that is assumed because neither the file nor the user states it.
+    /// Messages about values that are assumed because they are not stated by the file or the user.
     std::vector<std::string> assumed;
 };
 

@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A lower-case "a" is the alpha channel only if the colours are in lower case, too.
+        // A lower-case channel "a" is the alpha channel only if red is also in lower case, "r".
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -71,7 +71,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // An alpha channel of another layer is never used: it could make opaque pixels transparent.
+        // The alpha channel of another layer is never used, because it could make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -113,7 +113,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the ids to use, problems of other id channels do not matter.
+        // If the user names the channels with object ids, problems of other id channels are not reported.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -147,9 +147,8 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part that has a channel of exactly this name. First searches the part with the colours, then
-    /// parts of the same stereo view, then all others. If there is a separate file for the pass `use`,
-    /// searches only that file.
+    /// Returns the part of the OpenEXR file that has a channel of this name. Parts of the same stereo view as
+    /// the colours are preferred.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -186,8 +185,8 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // In a separate depth file, the only channel is accepted under any name. So are R, Y and V, because
-        // some programs write a depth image as grey RGB.
+        // In a separate depth file, a single channel is accepted under any name. R, Y and V are also
+        // accepted, because some programs write depths as grey RGB.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -218,8 +217,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // match_group prefers candidates in the part of the colours. The part of a Cryptomatte does not
-            // matter, so all get the part of the colours.
+            // It does not matter which part of the file contains a Cryptomatte, so all are treated as if they
+            // were in the part with the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }
@@ -283,7 +282,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     finder.find_alpha();
     finder.find_depth();
     if (part.deep) {
-        // ZBack, the depth at which a deep sample ends, must be in the same layer as Z.
+        // ZBack is the depth at which a deep sample ends. It must be in the same layer as Z.
         out.z_back = first_channel(part, {split_channel(out.z).first + "ZBack"});
         if (out.z.empty()) {
             fail(ExitCode::invalid_input, "{}: no depth (got channels {}; expected Z in a deep picture)",

@@ -111,12 +111,12 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If the channel names state stereo views, the first view in the attribute `multiView` is
+            // If channel names contain stereo views, the view that the attribute `multiView` lists first is
             // preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001. The layer
-            // with the fewest words wins.
+            // name with the fewest words is preferred.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

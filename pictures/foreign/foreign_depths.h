@@ -15,30 +15,29 @@ namespace postlens {
 
 class ForeignDepths {
   public:
-    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity.
+    /// Renderers write 1e9, 1e10 or infinity as the distance of pixels where no surface was hit.
     static constexpr float nothing_z = 1e9F;
 
     /// `encoding` is absent if the values are distances.
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or at least `nothing_z` means
-    /// that nothing was hit.
+    /// True if `z` is the distance of a surface. A distance of 0, NaN, or at least `nothing_z` means that no
+    /// surface was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Decodes the depth value of pixel (x, y) of the file, returns the inverse of its absolute distance, and
-    /// calls `note`.
+    /// Decodes the depth value stored for pixel (x, y). Returns the inverse of its absolute distance.
     float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
-    /// Records what `finish` needs for its checks. `z` is the distance decoded from `value`, the depth stored
-    /// for pixel (x, y).
+    /// Collects statistics of the depths, for checks after all have been read. `z` is the distance that was
+    /// decoded from `value`.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Repairs depths that were filtered like colours (mend_filtered_depths), then sets the depths of the
-    /// samples of a flat image. `depths` holds the stored depth of each pixel, and `covered` its alpha.
+    /// Sets the depths of a flat image's samples, after repairing depths that were filtered like colours.
+    /// `depths` has one stored value per pixel, `covered` its alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
-    /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to
-    /// far. Throws Error(invalid_input) if only some depths are negative.
+    /// Converts all depths to metres along the optical axis, and sorts each pixel's samples from near to far.
+    /// Throws Error(invalid_input) if only some depths are negative.
     void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
 
   private:
@@ -78,8 +77,8 @@ class ForeignDepths {
         seen.note(z, x, y, value);
         return inverse_of(std::abs(z));
     }
-    /// Warns if all distances are at most 1. Few scenes are that small, but inverse and normalised depths
-    /// have this range. Also warns if normalised depths exceed 1.
+    /// Warns if all distances are at most 1: they may be inverse or normalised depths. Also warns if depths
+    /// declared as normalised exceed 1.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;

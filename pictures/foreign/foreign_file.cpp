@@ -108,7 +108,7 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// of the largest chunk in bytes.
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // A band of ForeignFile::read_flat has only four chunks with ZIP, the most common compression. So two
+    // With ZIP, the most common compression, a band of rows has only four chunks to decompress. So two
     // threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
@@ -175,8 +175,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // The headers are checked before the OpenEXR library reads them. The check needs no more memory than
-        // their size.
+        // Checks the headers before the OpenEXR library reads them, so that a damaged file cannot cause large
+        // allocations.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -214,7 +214,7 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
                 part.channels.emplace_back(c.name());
             }
             const std::uint64_t chunk = checked_chunk(part, h, opened.bytes, name);
-            // Deep chunks have no fixed size, so the largest accepted size is assumed.
+            // The chunks of deep images have no fixed size, so the largest accepted size is assumed.
             greatest_chunk = std::max(greatest_chunk, part.deep ? most_chunk_bytes : chunk);
         }
     });
@@ -300,7 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is computed from luminance, red and blue by a division by its weight out[1], which must not be 0.
+    // Files with luminance and chroma store no green. It is computed by a division by the weight of green,
+    // out[1], which must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

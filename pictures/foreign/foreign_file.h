@@ -54,8 +54,8 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// Values of each channel, pixel by pixel: all samples of a pixel are adjacent. Integers are stored as
-    /// their bits.
+    /// One array of values per channel. All samples of a pixel are adjacent. Integers are stored as their
+    /// bits.
     std::vector<std::span<const float>> values;
 };
 
@@ -72,20 +72,21 @@ class ForeignFile {
     ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
-    /// Attaches a separate file for the pass `use` and adds its parts. Throws Error(invalid_input) if the
-    /// display windows differ in size, and the errors of the constructor.
+    /// Adds a separate file for a pass such as depth or object ids. Throws Error(invalid_input) if its
+    /// display window differs in size.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }
     /// Returns the name of the file that contains the part.
     [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
-    /// Returns the names of all stereo views, those in `multiView` first. No name occurs twice.
+    /// Returns the names of all stereo views. Those that the attribute `multiView` lists come first.
     [[nodiscard]] std::span<const std::string> views() const { return views_; }
     /// Returns true if a separate file was attached for this pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
-    /// These functions return an attribute of a part, or empty if there is none of that name and type.
+    /// The following functions return an attribute of a part of the file. Empty if the part has no attribute
+    /// of this name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
@@ -94,23 +95,24 @@ class ForeignFile {
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
                                                                          std::string_view prefix) const;
 
-    /// Reads a flat part from top to bottom, and calls take(y, values) for each row. `values` has one pointer
-    /// per channel, to the values of the row. Integers are passed as their bits, stored in floats.
+    /// Reads a flat image from top to bottom. Calls take(y, values) for each row, with one pointer per
+    /// channel. Integers are passed as their bits.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
-    /// Reads a deep part from top to bottom. `take` receives one band of rows at a time.
+    /// Reads a deep image from top to bottom, and passes it to `take` in bands of rows.
     void read_deep(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(const DeepRows&)>& take) const;
     /// Returns the type of a channel's values, or `half` if the part has no channel of that name.
     [[nodiscard]] ChannelKind kind(std::size_t part, const std::string& channel) const;
     [[nodiscard]] ChannelSampling sampling(std::size_t part, const std::string& channel) const;
-    /// Returns the weights of red, green and blue in the luminance of the part. They follow from its
-    /// chromaticities, which default to Rec.709.
+    /// Returns the weights of red, green and blue in the luminance, computed from the file's chromaticities
+    /// (Rec.709 if none are stored).
     [[nodiscard]] std::array<double, 3> luminance_weights(std::size_t part) const;
-    /// Reads a subsampled channel of a flat part, and returns one value per pixel of the data window, row by
-    /// row. Values are interpolated bilinearly. The last value is repeated beyond its pixel.
+    /// Reads a subsampled channel of a flat image. Returns one value per pixel of the data window, row by
+    /// row, interpolated bilinearly.
     [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
-    /// Returns true if the part's lossy compression may turn equal 32-bit floats into different ones.
+    /// True if the file's lossy compression may change the bits of 32-bit floats, so that equal object ids
+    /// become different.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
@@ -126,7 +128,8 @@ class ForeignFile {
 /// A list of channels to read, without duplicates. A channel's number is its index in the list.
 class ChannelList {
   public:
-    /// Adds a channel unless the list contains it. Returns its number, or empty for an empty name.
+    /// Adds a channel name to the list unless it is already there. Returns its index, or nothing if the name
+    /// is empty.
     std::optional<std::size_t> add(const std::string& name);
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 

@@ -28,7 +28,7 @@ std::optional<ChunkCompression> own_compression(const ForeignPart& part, const I
     for (auto c = h.channels().begin(); c != h.channels().end(); ++c) {
         if (c.channel().xSampling != 1 || c.channel().ySampling != 1) return std::nullopt;
     }
-    // Imf::Compression and ChunkCompression use the same numbers (those of the file format).
+    // The cast is valid because Imf::Compression and ChunkCompression use the numbers of the file format.
     return static_cast<ChunkCompression>(h.compression());
 }
 
@@ -95,14 +95,14 @@ class ChunkReader {
         std::size_t offset = 0;  ///< of its first value in a row, in bytes
         bool half = false;       ///< otherwise 4 bytes per value
     };
-    /// Some rows, and buffers to read them. Only one thread uses them at a time.
+    /// Buffers for reading a band of rows. Only one thread may use them at a time.
     struct Band {
         ChunkCodec codec;
         Bytes packed, raw;
         std::vector<float> values;  ///< row by row, and in each row channel by channel
     };
 
-    /// Writes the values of the chunk of rows [y, y_end) to `to`. Returns the end of these values.
+    /// Decompresses rows [y, y_end), and writes their values to `to`. Returns the end of the written values.
     float* expand(int y, int y_end, Band& band, float* to) const {
         // The OpenEXR library refuses chunks that are larger than uncompressed ones.
         band.packed.resize(static_cast<std::size_t>(rows_per_chunk(compression_)) * row_bytes_);
@@ -153,7 +153,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             ChunkReader(in, *compression, p, channels, name).read(take);
             return;
         }
-        // A band consists of whole tiles or chunks, so that each of them is decompressed only once.
+        // A band of rows consists of whole tiles or chunks, so that each is decompressed only once.
         const int unit = p.tiled ? static_cast<int>(h.tileDescription().ySize) : chunk_rows(h);
         const int rows = std::min(p.height(), unit * std::max(1, 64 / unit));
         const std::size_t plane = width * static_cast<std::size_t>(rows);
@@ -162,8 +162,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
         const auto read_band = [&](int y, std::vector<float>& band) {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                // The OpenEXR library expects the address of pixel (0, 0), even if the file does not store
-                // this pixel.
+                // The OpenEXR library expects the address of pixel (0, 0), even if this pixel is not stored.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
                 auto* base = reinterpret_cast<char*>(band.data() + c * plane);
@@ -178,7 +177,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
         std::vector<float> band(plane * channels.size()), next_band(band.size());
         std::vector<const float*> values(channels.size());
         read_band(p.data.y_min, band);
-        // The next band is read while the rows of this band are processed.
+        // The next band of rows is read from the file while the current one is processed.
         const auto policy = thread_count() > 1 ? std::launch::async : std::launch::deferred;
         for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
             std::future<void> next;
@@ -200,8 +199,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Returns the smallest multiple of the sampling step `every` that is at least `from`. A subsampled
-    // channel has values only at such x and y.
+    // Returns the first x (or y) from `from` on at which a subsampled channel stores a value: a multiple of
+    // the sampling step `every`.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {
@@ -215,8 +214,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     guarded(name_of(part), [&] {
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         Imf::FrameBuffer frame;
-        // The OpenEXR library expects the address of pixel (0, 0), even if the file does not store this
-        // pixel.
+        // The OpenEXR library expects the address of pixel (0, 0), even if this pixel is not stored.
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
         frame.insert(channel, Imf::Slice(Imf::FLOAT,
@@ -226,7 +224,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// The two stored values on either side of a pixel, and the interpolation weight of the second.
+    /// Indices of the two stored values beside a pixel, and the interpolation weight of the second.
     struct Between {
         std::size_t first, second;
         float share;

@@ -22,8 +22,8 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`, for example of an
-    /// object that the user keeps in focus. If it is negative, `inverse_z` is used.
+    /// Inverse depth, in 1/m, from which the sample's blur is computed instead, for example because the user
+    /// keeps an object in focus. Negative if unused.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -51,8 +51,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m, or 0 for infinity. Only set if depths, not ids, distinguish the
-    /// surfaces.
+    /// Inverse depth of the surface, in 1/m (0 for infinity). Empty if the surfaces of a pixel are
+    /// distinguished by object ids.
     std::optional<float> inverse_z;
 };
 
@@ -64,18 +64,16 @@ struct ForeignRepair {
 
 struct ForeignPicture {
     int width = 0, height = 0;  ///< size of the raster, px: the display window without overscan
-    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster.
+    /// The file stores the pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the image.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
-    /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
-    /// of the pixel that each surface covers, the largest first. The largest determines the id of the pixel's
-    /// sample. Fractions below 1 % in a Cryptomatte are omitted.
+    /// Pixels that show several surfaces, in ascending order. `shares` holds the fraction of the pixel that
+    /// each surface covers, the largest first.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// 1 for each stored pixel with empty space behind its samples, else 0. An image of `lay_behind` shows
-    /// this empty space. The list is empty if there is no such pixel.
+    /// 1 for each stored pixel that shows empty space behind its samples, else 0. Empty if no pixel does.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
@@ -97,11 +95,12 @@ struct ForeignPicture {
     [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
         return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
-    /// Returns true if a stored pixel has empty space behind its samples (`ends_in_nothing`).
+    /// True if the pixel shows empty space behind its samples, where a background image may be visible.
     [[nodiscard]] bool is_nothing_behind(std::size_t pixel) const {
         return !ends_in_nothing.empty() && ends_in_nothing[pixel] != 0;
     }
-    /// Returns the first sample of a stored pixel at which the composited alpha reaches one half, or null.
+    /// Returns the sample of a pixel, from near to far, at which the composited alpha reaches one half. Null
+    /// if there is none.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
         double left = 1;
         for (const StackSample& s : stack(x, y)) {
@@ -113,14 +112,14 @@ struct ForeignPicture {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// Returns the image of the display window, with the samples of each pixel composited. `alpha` is empty
-    /// if all pixels are opaque. Throws Error(out_of_memory).
+    /// Composites the samples of each pixel, and returns the image. Its `alpha` is empty if all pixels are
+    /// opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Returns true if all pixels, also those beyond the display window, are opaque and no sample is a
-    /// holdout. Blur then makes no pixel translucent, except where it reveals what opaque samples hide.
+    /// True if all stored pixels are opaque and no sample is a holdout. Blur then makes pixels translucent
+    /// only where it reveals hidden areas.
     [[nodiscard]] bool is_opaque() const;
-    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
-    /// infinity. Throws Error(wrong_arguments) outside the stored pixels.
+    /// Returns the depth, in metres, at which the composited alpha of a pixel reaches one half, or infinity.
+    /// Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

@@ -13,8 +13,8 @@ void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, st
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // Pixels outside this range get the value of the nearest pixel inside. The range includes all of `onto`
-    // on sides on which `from` ends within the display window.
+    // Pixels outside the range from (x_begin, y_begin) to (x_last, y_last) get the value of the nearest pixel
+    // inside it.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),
@@ -36,7 +36,8 @@ void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, st
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take) {
     const ForeignPart& from = file.parts()[part];
-    // Pixel (x, y) of the part `from` is pixel (x + right, y + down) of the part `onto`.
+    // Two parts of the file may have different display windows. Pixel (x, y) of `from` is pixel (x + right, y
+    // + down) of `onto`.
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int x_begin = std::max(from.data.x_min + right, onto.data.x_min),
               x_last = std::min(from.data.x_max + right, onto.data.x_max);

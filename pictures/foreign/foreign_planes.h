@@ -42,15 +42,12 @@ class JoinedChannels {
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel of a part of the file. Returns its index in the `values` of `read`, or empty for an
-    /// empty name. The same channel with the same use keeps its index.
-    /// Pixels that the part does not store get the value `otherwise`. `read` reads the channels of the
-    /// constructor's part, and this function all others.
+    /// Adds a channel to be read, and returns its index in each row. Pixels that the file does not store get
+    /// the value `otherwise`.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom. `take(y, values)` receives each row, with a pointer for each
-    /// channel.
+    /// Reads the image from top to bottom. Calls take(y, values) for each row, with one pointer per channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:

@@ -17,20 +17,19 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto` is the part with the colours. The fractions are determined for its pixels.
+    /// `onto` is the part of the file that contains the colours. The coverage of objects is determined for
+    /// its pixels.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller reads both
-    /// together, and passes each row to `take`, from top to bottom.
-    /// If `part` lacks the first rank (surfaces of a pixel), the result is empty, because ranks must be read
-    /// in order. `finish` then reads all ranks.
+    /// Returns the Cryptomatte channels stored in `part`, which the caller reads together with the colours.
+    /// Empty if `part` lacks the channels of the first rank, which must be read first.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the values of `count` adjacent pixels, from the index `pixel` on. values[c] points to those
-    /// of channel c. `picture` must have the samples of these pixels.
+    /// Receives the Cryptomatte values of `count` adjacent pixels, from the index `pixel` on. values[c]
+    /// points to the values of channel c.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
-    /// Reads the parts whose values were not passed to `take`. Gives each sample of `picture` the id of the
-    /// surface that covers most of its pixel. Adds pixels with several surfaces to ForeignPicture::mixed.
+    /// Reads the remaining Cryptomatte channels. Then gives each sample the id of the object that covers most
+    /// of its pixel.
     void finish(ForeignPicture& picture);
 
   private:

@@ -47,8 +47,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The raster must contain the display window and the stored pixels. If they were far apart, it would
-        // be too large.
+        // The pixel grid must contain the display window and the stored pixels. It would be too large if they
+        // were far apart.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -103,8 +103,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // The user's film width describes the frame alone, but the camera in the file describes the whole
-        // display window. So the width is converted to that of the display window.
+        // The user states the film width without overscan, but the file describes the camera with overscan.
+        // So the width is converted.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -131,7 +131,8 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept for repair.
+        // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept, because they
+        // are repaired later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         finite_colours_ = finite_colours_ && has_finite_colour(s);
         out_.samples.push_back(s);
@@ -139,7 +140,8 @@ class Reader {
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Alphas that are sums of rounded values may be outside 0 to 1 by this much, without a warning.
+        // Alphas may be outside 0 to 1 by this much without a warning, because they may be sums of rounded
+        // values.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -169,8 +171,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Reserving avoids copies when the lists grow. The size is limited, because a damaged file may claim
-        // more pixels than it contains.
+        // Reserves memory to avoid copies of growing lists. The size is limited, because a damaged file may
+        // claim more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         // A mixed pixel later gets several samples (unmix_edges).
@@ -237,12 +239,12 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // The depths of a file may all be negative, so the back depth gets the sign of the front
-                    // depth. Without a valid back depth, the volume becomes a surface.
+                    // The volume's back depth gets the sign of its front depth, because a file may store all
+                    // depths as negative.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 means that the camera is inside the volume. It has no sign, so the
+                    // A front depth of 0 means that the camera is inside the volume. 0 has no sign, so the
                     // absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
@@ -263,7 +265,7 @@ class Reader {
         });
     }
 
-    /// Adds a sample. A volume has constant density, so it is divided into slices of equal length and
+    /// Adds a deep sample. A volume of constant density is divided into slices of equal length and
     /// transmittance.
     void add_volume(const DeepSample& from) {
         const double z = from.z, z_back = from.z_back;
@@ -294,7 +296,7 @@ class Reader {
         }
     }
 
-    /// Adds the slice of the volume `s` between the depths `near` and `far`. `part` is its fraction of the
+    /// Adds the part of the volume `s` between the depths `near` and `far`. `part` is its fraction of the
     /// volume's length.
     void add_slice(const StackSample& s, double near, double far, double part) {
         const double whole = static_cast<double>(s.alpha);

@@ -44,7 +44,7 @@ const PictureLibrary& load() {
              path, reason == nullptr ? "no reason given" : reason);
     };
     require_threads(picture_module_threads);
-    // The module is never closed, because its objects live until the process ends.
+    // The shared library is never closed, because its objects live until the process ends.
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (module == nullptr) why_not();
     void* symbol = ::dlsym(module, picture_module_symbol);

@@ -38,7 +38,7 @@ std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory` contains the encoded file, or is null if `in` reads from the disk.
+    /// `memory` is the encoded file in memory, or null if `in` reads a file on disk.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -121,9 +121,8 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // Without the time of writing, equal images give equal files. A colour space would need an EXIF
-        // directory, which OpenImageIO 2.4 cannot write to memory. Readers assume sRGB for integer values
-        // anyway.
+        // An empty time of writing makes the files of equal images equal. A colour space is not written,
+        // because readers assume sRGB for integers.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

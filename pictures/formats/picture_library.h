@@ -41,8 +41,8 @@ class PictureReader {
     PictureReader& operator=(PictureReader&&) = delete;
 
     [[nodiscard]] virtual const PictureLayout& layout() const = 0;
-    /// Reads the first `channels` channels of all pixels into `to`, row by row. Integers are scaled to 0..1.
-    /// Returns an error message, which is empty on success.
+    /// Reads the first `channels` channels of all pixels into `to`, row by row, as values from 0 to 1.
+    /// Returns an error message, or "" on success.
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
@@ -60,14 +60,13 @@ class PictureLibrary {
     /// Opens a file for reading. On failure, sets `problem` and returns null.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(const std::string& path,
                                                               std::string& problem) const = 0;
-    /// Opens a file whose bytes are in memory, and must outlive the reader. `format` is its format, such as
+    /// Opens an encoded file in memory. `bytes` must outlive the reader. `format` is a file extension such as
     /// "png".
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(std::string_view bytes,
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
-    /// Returns a TIFF file with 16-bit sRGB values. `rgb` contains width * height * 3 values. `description`
-    /// is stored unless it is empty. On failure, sets `problem` and returns an empty vector. jpeg() does the
-    /// same with 8-bit values.
+    /// Encodes `rgb`, width * height * 3 sRGB values of 16 bits, as a TIFF file. On failure, sets `problem`
+    /// and returns an empty vector.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
                                                           const std::string& description,

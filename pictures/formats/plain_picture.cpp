@@ -34,7 +34,8 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The OpenEXR library addresses pixels by their coordinates in the file, which need not begin at 0.
+        // The OpenEXR library addresses pixels by their coordinates in the file, whose first pixel need not
+        // be (0, 0).
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {
@@ -64,7 +65,7 @@ class ExrReader : public PictureReader {
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Values may be nonlinear if a file has one of these attributes, so such files are refused.
+    // Files with one of these attributes are refused, because their values may be nonlinear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }
@@ -131,7 +132,7 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // The caller then opens the file with OpenImageIO, which reports the error.
+        // Null makes the caller open the file with OpenImageIO, which reports the error.
     }
     return nullptr;
 }

@@ -37,7 +37,7 @@ void take_text(std::string_view data, std::string_view key, std::string& value) 
 /// that PngReader does not support, such as a colour profile.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
-    // Chunks that do not change the meaning of the pixels, such as texts and dates.
+    // PNG chunks that do not change the values of the pixels, such as texts and dates.
     constexpr std::array silent{"PLTE"sv, "sRGB"sv, "cHRM"sv, "pHYs"sv, "tEXt"sv, "zTXt"sv,
                                 "iTXt"sv, "tIME"sv, "bKGD"sv, "sBIT"sv, "hIST"sv, "eXIf"sv};
     constexpr std::uint32_t gamma_of_srgb = 45455;
@@ -62,7 +62,8 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (type == "gAMA"sv) {
             if (size != 4 || big_endian(data, 0) != gamma_of_srgb) return std::nullopt;
         } else if (type == "oFFs"sv) {
-            // OpenImageIO writes an oFFs chunk into every PNG file. An offset of zero has no effect.
+            // OpenImageIO writes an oFFs chunk (image offset) into every PNG file. An offset of zero has no
+            // effect.
             if (data != "\0\0\0\0\0\0\0\0\0"sv) return std::nullopt;
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;

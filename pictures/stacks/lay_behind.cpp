@@ -26,7 +26,6 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
         fail(ExitCode::invalid_input, "{}: cannot lie behind (got {}x{} px; expected {}x{} px, as in front)",
              name, back.width, back.height, front.width, front.height);
     }
-    // The ratio of film width to film distance determines the field of view.
     const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
                  other = back.camera.film_width_mm / back.camera.film_distance_mm;
     constexpr double rounding = 1e-4;
@@ -117,7 +116,7 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     out.ends_in_nothing.reserve(pixels);
     LaidBehind found;
     std::size_t nearer = 0;
-    // Pixels of the raster that an image does not store are empty.
+    // Pixels of the image that the file does not store are empty.
     const auto is_known = [](const ForeignPicture& p, int x, int y) {
         return p.stores(x, y) || (x >= 0 && x < p.width && y >= 0 && y < p.height);
     };

@@ -102,22 +102,21 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If this mask has already been applied to the stack, the same samples are chosen again.
+        // If this mask was already applied to the pixel, the same samples are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Different masks usually cover different objects. So samples without a mask are chosen first, and
-        // samples of other masks only if they cover too little of the pixel.
+        // Different masks usually cover different objects, so samples without a mask are chosen first.
+        // Samples of other masks follow if more coverage is needed.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
-    /// Returns the fraction that is still to be covered. Only samples at the depth of the nearest one count,
-    /// as parts of one surface.
+    /// Chooses samples with wanted(sample), at the depth of the nearest sample, until they cover the fraction
+    /// `share` of the pixel. Returns the uncovered fraction.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
@@ -168,8 +167,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // An object may continue beyond the border of the raster, where the mask ends. So the outermost
-            // values of the mask are repeated there.
+            // An object may continue outside the image, where the mask ends. So the mask's border values are
+            // repeated there.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

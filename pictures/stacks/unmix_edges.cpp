@@ -35,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Returns true if this part of the pixel shows empty space: the unmixed pixels around it have no colour
-    /// and no alpha.
+    /// True if this fraction of the pixel shows empty space, because nearby pixels of the same depth have no
+    /// colour and no alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -49,8 +49,8 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// Returns the samples that replace a mixed pixel (one that shows several surfaces). The list is empty if
-    /// the pixel stays unchanged.
+    /// Returns samples, one per surface, that replace a pixel showing several surfaces. Empty if the pixel
+    /// stays unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -88,8 +88,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Empty raster pixels, which the
-    /// image does not store, have the index `unstored`.
+    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Pixels that the file does not
+    /// store have the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -133,8 +133,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // The weight of a pixel is 1 / squared distance. If mixed pixels are searched (`pure` is false),
-            // the pixel itself is one of them, at distance 0. Adding 0.5 prevents a division by 0.
+            // Pixels are weighted by 1 / squared distance. Adding 0.5 prevents a division by 0, because the
+            // pixel itself may be included.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -152,8 +152,8 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of the surfaces in a mixed pixel so that their mean is `whole`, the colour of the
-    /// pixel. The mean is weighted by the fraction that each surface covers.
+    /// Adjusts the colours of a pixel's surfaces so that their mean, weighted by coverage, is `whole`, the
+    /// pixel's colour.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -177,8 +177,8 @@ class Unmixer {
         }
     }
 
-    /// Clamps channel `c` of the surfaces in a mixed pixel to at least 0, and alpha to at most 1. Keeps
-    /// `whole`, the weighted mean of the surfaces.
+    /// Clamps channel `c` of a pixel's surfaces to at least 0, and alpha to at most 1. Preserves their mean,
+    /// `whole`, weighted by coverage.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -197,8 +197,8 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces side by side in a pixel to samples one behind the other that composite to the same
-    /// colour and alpha.
+    /// Converts surfaces that lie side by side in a pixel to samples one behind the other. These composite to
+    /// the same colour and alpha.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
@@ -256,8 +256,8 @@ std::size_t unmix_edges(ForeignPicture& picture) {
     if (samples.capacity() < to) require_memory(to * sizeof(StackSample), "edges taken apart");
     samples.reserve(to);
     samples.resize(to);
-    // Replaces the samples of mixed pixels by more samples. It goes from the last pixel to the first, so that
-    // no sample is overwritten before it is moved.
+    // Replaces the sample of each pixel that shows several surfaces by one sample per surface. Goes
+    // backwards, so that no sample is overwritten before it is moved.
     const auto at = [&](std::size_t i) { return samples.begin() + static_cast<std::ptrdiff_t>(i); };
     for (std::size_t i = stacks.size(), last = pixels; i-- > 0;) {
         if (stacks[i].empty()) continue;
