@@ -15,8 +15,8 @@ class PixelPlaces {
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// Returns true if the pixel has a sample at the position (u, v), in steps of 1 / position_steps px from
-    /// its upper left corner.
+    /// True if the pixel has a point sample (u, v) steps right of and below its upper left corner. A step is
+    /// 1 / position_steps px.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -34,7 +34,7 @@ class PixelPlaces {
 /// edge of a pixel. u is the left edge of the current cell, and `size` its width.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
-    // A cell is subdivided if it has a sample at its centre.
+    // A quadtree cell is subdivided if its centre has a point sample.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

@@ -35,8 +35,7 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A sample may be a corner of leaves (undivided quadtree cells) in several pixels. Only leaves in
-        // this pixel count.
+        // A point sample may be a corner of quadtree cells in several pixels. Only cells in this pixel count.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

@@ -52,8 +52,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single sample. Then the first and the last record have the same position, because
-    // records are sorted by it.
+    // Most pixels have a single point sample. Records are sorted by position, so the first and the last then
+    // have the same position.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -89,9 +89,8 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
-    /// `above` contains the samples of row y, and `below` those of the next row. Returns false if the pixel
-    /// is more finely subdivided than the table.
+    /// Fills the table with the point samples of pixel (x, y), including those on its right and lower edges.
+    /// Returns false if the quadtree is deeper than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -99,7 +98,7 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // add() fails for samples of a more finely subdivided neighbour. Pixel (x, y) does not need them.
+        // add() fails for samples of a more finely subdivided neighbour, which pixel (x, y) does not need.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -108,15 +107,14 @@ class PlacedSamples {
         if (first(below, column + 1) != first(below, column + 2)) add(*first(below, column + 1), fx, fy);
         return true;
     }
-    /// Returns the sample at a position, or null if the position has none.
     [[nodiscard]] Sample* at(Place p) const {
         if ((p.u | p.v) % step != 0) return nullptr;
         return at_[index(p.v / step, p.u / step)];
     }
 
   private:
-    /// 64 positions per edge suffice for six levels of subdivision. A larger table would not fit into the
-    /// cache.
+    /// 64 positions per edge suffice for six levels of quadtree subdivision. A larger table would not fit
+    /// into the processor's cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -124,7 +122,7 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// Stores a sample in the table. Returns false if the table does not contain its position.
+    /// Stores a sample in the table. Returns false if its position lies between those of the table.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
@@ -239,8 +237,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Leaves (quadtree cells) at the border may have corners in rows outside y_begin to y_end - 1. These rows
-    // complete the leaves, but their weights are not returned.
+    // Quadtree cells at the border of the rows may have corners above or below. These rows are read only to
+    // complete the cells.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -259,8 +257,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // The leaf lies in quadrant 3 - c of its corner c. For example, it
-                                       // lies down-right (3) of its up-left corner (0).
+                                       // Corner c of a quadtree cell has the cell in its quadrant 3 - c. For
+                                       // example, the up-left corner (0) has it down-right (3).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -19,12 +19,11 @@ struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weight of the sample in each quadrant around it: [0] up-left, [1] up-right, [2] down-left, [3]
-    /// down-right. A quadtree leaf (undivided cell) gives a quarter of its area to each corner. The quadrants
-    /// inside a pixel add up to the sample's weight in that pixel.
+    /// Weight of the sample in the quadrants up-left, up-right, down-left and down-right. Each undivided
+    /// quadtree cell gives a quarter of its area, in px², to each corner.
     std::array<float, 4> weight{};
-    /// Edge length, in px, of the quadtree leaf in each quadrant, in the order of `weight`. It is 0 if no
-    /// leaf there has a corner at the sample: at the raster's border, or on the edge of a larger leaf.
+    /// Edge length, in px, of the undivided quadtree cell in each quadrant, in the order of `weight`. 0 if no
+    /// cell there has a corner at this sample.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };

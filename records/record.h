@@ -29,7 +29,8 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// Returns the kind of the last bounce, or `none` for the primary hit.
+    /// Returns whether the last bounce is a reflection or a transmission. `none` if the eye ray hits the
+    /// surface directly.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -41,15 +42,15 @@ class NodePath {
     [[nodiscard]] constexpr bool begins(NodePath whole) const {
         return bits_ == (whole.bits_ & ((std::uint64_t{1} << (2 * depth())) - 1));
     }
-    /// Returns true if the path is valid. Each bounce has two bits. The value 3 is reserved, and 0 marks the
-    /// end of the path.
+    /// A path has two bits per bounce. The value 3 is reserved, and 0 marks the end of the path.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
         }
         return true;
     }
-    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT", or "primary".
+    /// Returns one letter per bounce of the light path (R for reflected, T for transmitted), for example
+    /// "RTT". Without bounces, returns "primary".
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;
@@ -72,11 +73,11 @@ struct Mat2 {
 
 /// Flags of a record: interpolation between this record and its neighbours may miss detail.
 struct RecordMark {
-    /// The texture of the surface varies between this sample and its neighbours, even though the quadtree
-    /// cells have their smallest allowed size.
+    /// The texture changes from this sample to its neighbours, although they are as close together as the
+    /// quadtree allows.
     static constexpr std::uint8_t fine_texture = 1;
-    /// This sample and its neighbours show separate parts of one object, with a possible gap between them. Or
-    /// a part of a mesh lies between the samples, and none of them shows it.
+    /// Between this sample and its neighbours, there may be a gap in the object, or a part of a mesh that no
+    /// sample shows.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -91,12 +92,11 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, in 1/m^2. W is a linear approximation of how the node's image moves with the lens point.
-    /// At R metres from the centre of the lens, the image is misplaced by about (film distance / pixel pitch)
-    /// * w_bend * R^2 px.
-    ///
+    /// Error of W, the linear model of how a surface's image moves with the lens point, in 1/m^2. A lens
+    /// point R metres from the centre misplaces the image by about (film distance / pixel pitch) * w_bend *
+    /// R^2 px.
     /// The value is 0 if W is exact or its error was not measured. It is infinite if other lens points do not
-    /// see the node along this path. Files store it as a half float.
+    /// see the surface along the same reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

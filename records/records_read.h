@@ -10,11 +10,10 @@ namespace postlens {
 
 /// Functions that receive the records. A function that is empty is not called.
 struct RecordsRead {
-    /// Receives rows y_begin to y_end - 1 of pixel corners in `band`. Each row is passed once, from top to
-    /// bottom.
+    /// Receives the point samples of rows y_begin to y_end - 1. Each row is passed once, from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives rows y_begin to y_end - 1 of pixels in `band`, and the leaves (undivided cells) of their
-    /// quadtrees (find_leaves). Each row is passed once. Several threads may call it at the same time.
+    /// Receives pixel rows y_begin to y_end - 1 and the undivided cells of their quadtrees. Each row is
+    /// passed once. Several threads may call this function at the same time.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 

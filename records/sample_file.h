@@ -41,15 +41,15 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records. The file has rows -overscan to height + overscan, and columns
-    /// -overscan to width + overscan. The pinhole image is computed from instant 0.
+    /// Writes the next rows of records, from y = -overscan to height + overscan. A row extends from x =
+    /// -overscan to width + overscan.
     void write(const RecordBand& band);
-    /// Starts the next instant in the header's `key_times_s`, from the top row on. Throws
-    /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
+    /// Starts the next recorded instant of a moving scene, from the top row on. Throws Error(invalid_input)
+    /// if rows of the current instant are missing, or no instants remain.
     void next_instant();
-    /// Completes the file and moves it to its path. Returns its size in bytes.
+    /// Completes the file and moves it from its temporary name to its path. Returns its size in bytes.
     std::uint64_t finish();
-    /// Returns the pinhole image, which is part 0 of the file. It is complete after the last band.
+    /// Returns the pinhole image computed from the records. It is complete after all rows have been written.
     [[nodiscard]] const Image& picture() const;
 
   private:
@@ -76,11 +76,12 @@ enum class Damage {
 /// removed. It is an error if the header or too many rows of instant 0 are damaged (least_whole_share).
 class SampleFileReader {
   public:
-    /// With Damage::salvage, at least one in `least_whole_share` rows must be undamaged. Otherwise, a small
-    /// damaged file could claim a huge image.
+    /// With Damage::salvage, at least one in 64 rows must be undamaged. Otherwise, a small damaged file could
+    /// claim a huge image.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Opens a file. Colours are multiplied by 2^exposure_stops. The default is the exposure in the header.
+    /// Opens a sample file. Colours are multiplied by 2^exposure_stops; by default, the exposure is read from
+    /// the file.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
@@ -92,11 +93,10 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image. The others are keys
-    /// (further recorded instants).
+    /// Number of recorded instants of a moving scene. The pinhole image shows instant 0.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
-    /// Returns one summary per scanline of records, from y = -overscan on.
+    /// Returns a summary of each row of records, from y = -overscan on.
     [[nodiscard]] std::span<const ScanlineFacts> scanlines(std::size_t instant = 0) const;
     /// Returns the number of records at all instants.
     [[nodiscard]] std::uint64_t record_count() const;
@@ -109,18 +109,18 @@ class SampleFileReader {
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order (canonical_before), and verifies
-    /// their checksums and values. Rows can be read in any order. Reuses the memory of `band`.
+    /// Reads rows y_begin to y_end - 1 of an instant, and verifies their checksums and values. Rows can be
+    /// read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows that were replaced, by instant and from top to bottom. Empty without
+    /// Returns the damaged rows whose records were replaced, by instant and from top to bottom. Empty without
     /// Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
-    /// Returns the times of the removed keys (further recorded instants), which had only damaged rows.
+    /// Returns the times of recorded instants that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
-    /// Damage::salvage. The image can be computed from the records instead.
+    /// Returns the pinhole image stored in the file. Throws if it is damaged, even with Damage::salvage,
+    /// because it can be computed from the records instead.
     [[nodiscard]] Image picture() const;
-    /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
+    /// True if the file is an OpenEXR file with the version attribute that postlens writes.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);
 
   private:

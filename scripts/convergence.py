@@ -96,8 +96,7 @@ def main():
             mine = [r for r in rows if r["sampler"] == sampler]
             slope = math.log(mine[-1]["rmse"] / mine[0]["rmse"]) / math.log(SPP[-1] / SPP[0])
             file.write(f"| {sampler} | " + " | ".join(cell(r) for r in mine) + f" | n^{slope:.2f} |\n")
-        # The reference is the mean of two independent halves. Its RMS noise is half of their RMS difference, stated
-        # below.
+        # The reference is the mean of two independently rendered halves. Its RMS noise is half of their RMS difference.
         file.write(f"\nThe halves of the reference are {floor['psnr_db']:.1f} dB apart; affected pixels: "
                    f"{100 * floor['affected_share']:.0f} %.\n")
 

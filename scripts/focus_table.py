@@ -57,7 +57,7 @@ def main():
     common = ["--quiet", "--json"]
     scene = ["--metres-per-unit", o.metres_per_unit, "--size", o.size]
     lens = ["--f-number", o.f_number, "--focus", o.focus]
-    # The trace uses the film distance of the camera. So the focal length changes only the diameter of the lens.
+    # The trace uses the film distance of the scene's camera, so the focal length changes only the lens diameter.
     length = ["--focal-length", o.focal_length] if o.focal_length else []
     levels = ["--subdivide", o.subdivide] if o.subdivide else []
     trace = run(postlens, "trace", o.scene, "-o", out("frame.exr"), *scene, *levels, "--overscan", "auto", "--for-f-number",

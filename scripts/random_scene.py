@@ -115,7 +115,7 @@ class Maker:
         if self.kind == "motion" and moves and self.chance(0.6):
             by = vector(*(self.between(-0.4, 0.4) for _ in range(3)))
             turn = f"rotate_degrees = {self.between(-40, 40):.4g}, rotate_axis = {vector(*self.direction())}"
-            # The rotation is about the origin of the scene, not the object's centre. So it also moves the object.
+            # The object rotates about the origin of the scene, not about its own centre, so the rotation also moves it.
             self.lines += [f"keys = [{{ time_s = 0 }}, {{ time_s = 1, translate_m = {by}"
                            + (f", {turn}" if self.chance(0.3) else "") + " }]"]
 
@@ -160,7 +160,8 @@ class Maker:
             v = vector(size * self.between(-0.5, 0.5), size, size * self.between(-0.5, 0.5))
             self.thing(material, ['shape = "rectangle"', f"corner_m = {vector(*centre)}", f"edge_u_m = {u}", f"edge_v_m = {v}"])
         else:
-            # A cylinder, or a "joint": a cylinder without caps, with a sphere of the same radius at one end.
+            # The shape is a cylinder or a "joint": a cylinder without caps, with a sphere of the same radius at one
+            # end.
             radius = size * self.between(0.05, 0.5)
             capped = "false" if shape == "joint" else "true"
             self.thing(material, ['shape = "cylinder"', f"base_m = {vector(*centre)}", f"apex_m = {vector(*end)}",

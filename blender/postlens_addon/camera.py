@@ -60,9 +60,8 @@ class Lens:
     def options(self):
         impulse = "disc"
         if self.blades >= 3:
-            # In Cycles, the angle of a polygon is that of the middle of a side, measured from the right towards the
-            # top. In postlens, it is that of a corner, measured towards the bottom. So it is negated and shifted by
-            # half the angle between corners.
+            # Blender states the angle of a side of the aperture polygon, counter-clockwise. postlens states that of a
+            # corner, clockwise. So the angle is negated and shifted by half a side.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]

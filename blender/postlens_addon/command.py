@@ -51,7 +51,7 @@ def run(program, words, folder, cancelled=lambda: False):
     child = subprocess.Popen(
         [program, *words, "--json"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, cwd=folder,
-        # A message may contain the name of a file, which may be invalid UTF-8.
+        # A message may contain a file name that is not valid UTF-8.
         encoding="utf-8", errors="replace",
     )  # fmt: skip
     said = []

@@ -34,8 +34,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material may belong to the mesh or to the object. The slots of the object list both, so the copied mesh
-            # gets their materials.
+            # In Blender, a material belongs to the mesh or to the object. The slots of the object list both kinds, so
+            # they are copied to the mesh.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -73,8 +73,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # One call removes the objects, meshes and the scene, because each call searches the whole Blender file for
-        # users. Removing only the scene would need a window.
+        # A single call removes the objects, meshes and scene, because each call searches the whole Blender file.
+        # Removing only the scene would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
@@ -96,10 +96,10 @@ def rename_nodes(path, names):
 def export(scene, camera, path):
     """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
     content that postlens traces differently from Blender."""
-    # The context has no window if a script has just opened a file. Then the first window is used.
+    # Without a window in the context, as after a script has opened a file, the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # A 3D view with a local camera switches to the scene's camera when its window shows another scene. These cameras
-    # are restored afterwards.
+    # A 3D view with a local camera switches to the scene's camera when its window shows another scene. So the local
+    # cameras are restored afterwards.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

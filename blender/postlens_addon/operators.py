@@ -69,12 +69,12 @@ def show(path, can_open=False):
 
     If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # This property distinguishes the add-on's image from a user's image of the same name.
+    # This property marks the add-on's image. A user's image may have the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
         image.name, image[IMAGE] = IMAGE, True
-        # Shows the image with the scene's view transform and exposure, like a render.
+        # Displays the image with the scene's view transform and exposure, as Blender displays a render.
         image.use_view_as_render = True
     else:
         image.filepath = path
@@ -90,7 +90,7 @@ def line_of(error):
     """The message of a failure, as one line."""
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
-    # The message of a failed Blender operator ends with a location in Blender's code, which is left out.
+    # The error message of a Blender operator ends with a location in Blender's code, which is omitted.
     lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
     return next((s for s in reversed(lines) if s and not s.startswith("Location: ")), type(error).__name__)
 
@@ -142,8 +142,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a window. An earlier window would receive the Esc key, which should stop this
-            # operator.
+            # Only the last image may open a window. An earlier window would receive the Esc key, with which the user
+            # stops this operator.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True
@@ -204,7 +204,7 @@ class Pictures:
         finally:
             if not more:
                 self.finish()
-        # A timer event is passed on, because it may belong to another operator.
+        # The timer event is passed on, because it may be meant for another operator.
         return {"PASS_THROUGH" if more else "FINISHED"}
 
     def finish(self):

@@ -37,8 +37,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again, which would overwrite the values set by the body of the `with` statement.
-    # So the animation of these properties is muted.
+    # A render evaluates the animation again, which would overwrite the temporary values of these properties. So their
+    # animation is muted.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -109,7 +109,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # Changing the file format changes the name of the colour space. So a nonempty name is restored, too.
+        # Blender changes the name of the colour space when the file format changes, so a nonempty name is restored too.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -118,8 +118,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender measures the shift of a camera as a fraction of the larger side of the frame, which the margin may
-        # change. So the shift is converted to a fraction of the width.
+        # Blender states the camera's shift as a fraction of the image's larger side, which the margin may change. So
+        # the shift is converted to a fraction of the width.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -135,7 +135,7 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # The output settings of the scene may state another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # If this were True, Blender would render only the layer in the window.
+        # If this property is True, Blender renders only the layer shown in the window.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer

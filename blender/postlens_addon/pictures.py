@@ -33,10 +33,10 @@ class Job:
     behind_distance_m: float = 0  # 0: the distance at which blur becomes visible
     only_lens_changes: bool = False
     cancelled: object = lambda: False
-    # True if Blender renders in a thread of its own, so that its window stays responsive.
+    # True if Blender renders in a separate thread, so that its window stays responsive.
     in_window: bool = False
     progress: object = lambda share, text: None
-    # The text of each warning, with the first frame that caused it, or None for the whole scene.
+    # Maps the text of each warning to the first frame that caused it, or to None if the whole scene did.
     warnings: dict = field(default_factory=dict)
 
     def path(self, name, frame, ending=".exr"):
@@ -49,8 +49,8 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # The program interprets # and % in a path as placeholders for frame numbers. So it runs in the folder, whose
-        # path may contain them, and gets only file names.
+        # postlens takes # and % in a path for placeholders of frame numbers. It therefore runs inside the folder, and
+        # gets only file names without the path.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

@@ -26,18 +26,15 @@ class ScanlineBytes {
 
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Packs the records of scanline y. Those of pixel x_begin + i have the indices offsets[i] to offsets[i +
-    /// 1] - 1. Their positions must lie in this pixel.
+    /// Packs the records of scanline y for the file. Pixel x_begin + i has the records from offsets[i] to
+    /// offsets[i + 1] - 1.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record from the stored record counts. `offsets` has width + 1
-    /// entries: the first becomes 0, and the last the total count. Returns false if the counts decrease, or
-    /// if the total is not the number given to `prepare`.
+    /// Computes the index of each pixel's first record from the stored numbers of records. `offsets` has one
+    /// entry per pixel and the total number. Returns false if the stored numbers are damaged.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. Without a
-    /// channel for W, W is the identity divided by z'. Without their channels, the layer, w_bend and the mark
-    /// are 0.
-    /// Returns false if a position within the pixel is not a multiple of 1/1024 px from 0 to 1023/1024.
+    /// Unpacks the records. Channels that the file does not store become 0, except W, which becomes the unit
+    /// matrix divided by z'. Returns false if a position is not a multiple of 1/1024 px.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

@@ -85,7 +85,7 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Point samples lie at pixel corners, so records have one more column and row than the image.
+    // The records lie at pixel corners, so they have one more column and row than the image.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

@@ -66,7 +66,7 @@ struct ScanlineRow {
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Reads row y from its bytes. Returns an empty value if the checksum of the row does not match.
+    /// Reads the description of pixel row y from its bytes in the file. Empty if the checksum does not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 

@@ -84,13 +84,13 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes the records that replace a lost (unreadable) row, and stores them in `work.stand_ins`.
+    /// Makes the records that replace the damaged pixel row y, from the row above if that is intact.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the records that replace row y into the band, from the index `base` on.
+    /// Copies the records that replace the damaged row y into `band`, from the index `base` on.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
-    /// Returns the position and the size, in bytes, of the data in the flat chunk at `at`. Throws unless the
-    /// chunk is row y of `part` and has at most `most_bytes` of data.
+    /// Returns the position and the size, in bytes, of the data of the file's chunk at `at`. Throws unless
+    /// the chunk is row y of `part`.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
     [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;

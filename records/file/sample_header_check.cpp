@@ -67,8 +67,8 @@ std::string header_checksum(const SampleHeader& h) {
     for (const double v : h.key_times_s) bytes.number(v);
     bytes.optional(h.sufficient.shutter_open_s);
     bytes.optional(h.sufficient.shutter_close_s);
-    // Fields that were added later are part of the checksum only if they are present, so that the checksums
-    // of older files remain valid.
+    // Fields added in later versions enter the checksum only if they are present, so that the checksums of
+    // older files remain valid.
     if (h.has_bend) bytes.number<std::uint8_t>(1);
     const auto later = [&bytes](std::uint8_t tag, const std::optional<double>& value) {
         if (!value) return;
@@ -126,8 +126,8 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            "0 to 262144");
     demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
            "0 to 10");
-    // A position is stored as a float. Its 24 significant bits hold the index of the pixel and the position
-    // within the pixel.
+    // Positions are stored as floats with 24 significant bits, which must hold the pixel's index and the
+    // position inside the pixel.
     const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
     demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
            extent, "at most 2^(24 - subdivision levels) and 262144");

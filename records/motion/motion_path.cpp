@@ -42,8 +42,8 @@ MotionPath::MotionPath(const std::vector<TransformKey>& keys) {
         v.scale = a.scale;
         v.scale_step = b.scale - a.scale;
         v.from = a.rotation;
-        // As in glm::slerp, the rotation takes the smaller of the two possible angles. An angle that is too
-        // small to divide by its sine is interpolated linearly.
+        // As in glm::slerp, the rotation takes the shorter way. An angle whose sine is too small to divide by
+        // is interpolated linearly.
         double cosine = glm::dot(a.rotation, b.rotation);
         v.to = cosine < 0 ? -b.rotation : b.rotation;
         cosine = std::abs(cosine);

@@ -16,8 +16,8 @@ class MotionPath {
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position, orientation and scale at one instant. A point p has the world position translation +
-    /// rotation * (scale * p).
+    /// Position, orientation and scale of an object at one instant. Point p of the object has the world
+    /// position translation + rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
         glm::dmat3 rotation{1};
@@ -39,8 +39,8 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns the instants that divide the exposure at keyframes, in ascending order, including open_s and
-    /// close_s.
+    /// Returns open_s, the keyframes inside the exposure and close_s, in ascending order. Between these
+    /// instants, the motion is smooth.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:

@@ -50,7 +50,7 @@ def build(kind):
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
     bpy.ops.mesh.primitive_plane_add(size=2 * FIELD_M)
-    # A material without specular reflection, so that only diffuse reflection is compared.
+    # The floor reflects only diffusely, because only diffuse reflection is compared.
     blender_scene.place("Floor", blender_scene.principled("Floor", [ALBEDO] * 3, Specular=0, Roughness=1), smooth=False)
     energy, turn_degrees = LIGHTS[kind]
     source = blender_scene.light(kind, "Light", energy, (0.3, -0.4, HEIGHT_M), (turn_degrees, 0, 0))
@@ -89,7 +89,7 @@ def inside(folder):
         bpy.context.view_layer.update()
         blender_scene.export(os.path.join(folder, kind + ".glb"))
         cosines[kind] = cycles_cosines(source)
-        # Under oblique light, Cycles' Principled BSDF deviates from Lambert's law, but its Diffuse BSDF does not.
+        # Under oblique light, Blender's Principled BSDF deviates from Lambert's law, but its Diffuse BSDF does not.
         floor = bpy.data.objects["Floor"].active_material.node_tree
         diffuse = floor.nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)

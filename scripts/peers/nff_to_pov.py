@@ -205,8 +205,7 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Triangles are written separately, because POV-Ray takes longer to render them as a single
-                # mesh.
+                # POV-Ray renders separate triangles faster than a mesh.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

@@ -109,8 +109,8 @@ def compare_picture(name, arguments, folder):
     ours, theirs, stems = [], [], {"ours": [], "theirs": []}
     for number in range(1, arguments.rounds + 1):
         stem = os.path.join(folder, f"{name}.%s.{number}")
-        # The programs take turns in running first. Otherwise, the state left by the first one (clock rate, caches)
-        # would always affect the other.
+        # The two renderers take turns in running first. Otherwise, the clock rate and caches left by the first would
+        # always affect the second.
         for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
             seed = ["--seed", str(number)]
             if whose == "theirs":
@@ -177,8 +177,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). Then the difference
-    # of two images could not measure the noise.
+    # With fewer samples per pixel, all images of Cycles have the same bias, whatever their seeds. The difference of two
+    # images then does not show it.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

@@ -157,7 +157,7 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # As in postlens, the radius of Blender's aperture is lens / (2 f-number). With blades = 0, it is a disc.
+        # With blades = 0, the aperture is a disc. Its radius is lens / (2 f-number), in Blender as in postlens.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell may be infinitely long along an axis, where 1 / length is 0. Blender's Checker Texture node would shift the
-    # borders of the cells.
+    # A cell of the checkerboard may be infinitely long along an axis, where 1 / length is 0. Blender's Checker Texture
+    # node would shift the borders of cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -469,7 +469,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Cycles' default sampler (pmj) needs more samples than Sobol points for images without bias (README.md).
+    # Cycles' default sampler (pmj) needs more samples per pixel than Sobol points until the image is unbiased.
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
