@@ -36,11 +36,11 @@ class RasterMap {
     RasterMap(const glm::dmat4& matrix, Projection projection)
         : m_(matrix), projection_(projection), identity_(matrix == glm::dmat4(1)) {}
 
-    /// Returns the image of a point, or nothing if the image lies behind the camera.
+    /// Maps a raster position and inverse depth to another instant. Returns nothing if the mapped point lies
+    /// behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the map around the point `p` of a surface, which extends by `reach` px in both directions
-    /// of each axis. `slope` is the surface's gradient of inverse depth, per px.
-    /// Returns nothing if a part of the mapped surface lies behind the camera.
+    /// Linearises the motion around the surface point `p`. `slope` is the gradient of inverse depth, per px;
+    /// `reach` is half the surface's size in px. Returns nothing if a part would lie behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -80,15 +80,17 @@ class FrameMotion {
 
     /// Displacement on the raster, in px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
-    /// Replaces the motion of one object on the raster. `displacement` must include the camera's motion.
+    /// Replaces the motion of one object's pixels in the image. `displacement` must include the motion that
+    /// the camera causes.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
     /// Replaces the rigid motion of one object in the world. The camera's motion stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the map that moves points of the object `id` on the raster between two instants. `id` 0 is the
-    /// background at infinity. If nothing moves, the map is exactly the identity.
+    /// Returns the map of the object's raster positions and inverse depths from one instant to another.
+    /// Exactly the identity if nothing moves. `id` 0 is the background at infinity.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
-    /// Returns the sorted instants at which the object's or the camera's velocity may change abruptly.
+    /// Returns the instants, in ascending order, at which the velocity of the object or the camera may change
+    /// abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;
     /// Whether the camera moves between two instants.
     [[nodiscard]] bool camera_moves(double open_s, double close_s) const;

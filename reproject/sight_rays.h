@@ -21,8 +21,8 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the ray's random samples of lights and scattering lobes: the index of a set of views, and of a
-    /// view in it. Samples are stratified over the views of a set, and independent between sets.
+    /// Random seed of the ray. Rays with the same `set` have stratified samples of lights and scattering
+    /// lobes; different sets are independent.
     std::uint32_t set = 0, view = 0;
 };
 
@@ -35,10 +35,10 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// Radiance that is added to the image as highlights. Rays leave it out, so that it is not counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. If empty, no node is clamped.
-    /// `path`: the reflections and transmissions by which the node is seen.
-    /// `parent_id`, `id`: the object of the last of these, and the object of the node.
-    /// `at`: where the pinhole sees a directly visible node, raster px.
+    /// Returns whether the radiance of a surface is clamped. An empty function means that nothing is clamped.
+    /// `path`: the reflections and transmissions by which the surface is seen
+    /// `parent_id`, `id`: the object of the last reflection or transmission, and the surface's object
+    /// `at`: raster position, in px, where the pinhole sees a directly visible surface
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -60,25 +60,24 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Writes the scene-linear RGB radiance along line i, without the highlights of `less`, to radiance[i].
-    /// Thread-safe. Lines do not affect each other's results.
+    /// Computes the scene-linear RGB radiance along each ray, without the highlights of `less`. Thread-safe.
+    /// Rays do not affect each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes only the radiance that `trace` leaves out as highlights (`less`). Along line i, only nodes with
-    /// the identity of[i] count.
+    /// Computes only the radiance of highlights, which `trace` leaves out. Ray i counts only surfaces with
+    /// the identity of[i].
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// For each line, writes 1/z' of its hit on the object `id`, in 1/m, and the gradient of 1/z' over the
-    /// raster, in 1/m per px. Writes 0 for misses. Thread-safe. Only for static scenes.
+    /// For each ray, computes the inverse depth of its hit on the object `id`, in 1/m, and the depth's
+    /// gradient over the raster, in 1/m per px. 0 for a miss. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by
-    /// `path`. False if random samples of lights or scattering lobes estimate the radiance.
+    /// True if a point of the object has the same radiance for all rays that reach it by `path`. False if the
+    /// radiance is estimated from random samples of lights or scattering lobes.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns how many reflected or transmitted patches (planar parts of surfaces) can be drawn in the time
-    /// of one ray. If an image square has more per pixel, rays are traced instead.
-    /// All SightRays of a PatchField must return the same number.
+    /// Returns how many planar parts of reflected or transmitted surfaces can be drawn in the time of one
+    /// ray. Where more would be drawn per pixel, rays are traced instead.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -69,20 +69,20 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Number of samples with reflections or refractions that were tested, and number of those with
-    /// sufficient records.
+    /// Number of tested pixels whose surface reflects or transmits light, and number of those for which the
+    /// sample file determines this light.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// Bit mask per pixel. Bit u: a ray replaces the view's sample from its recorded instant u.
+    /// One bit mask per pixel. If bit u is set, a ray replaces the colour that would be interpolated from
+    /// recorded instant u.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Replaces a view's samples by rays where the records do not determine the directly visible surface.
-    /// Pixels without light from the lens need no ray; only their weight is added to `recorded`.
-    /// If something moves or `parents_too` is set, rays also replace all surfaces that reflect or transmit. A
-    /// reflection moves differently from its mirror.
+    /// Schedules rays for the pixels in which the sample file does not determine the directly visible
+    /// surface. If something moves, also for mirrors and glass, because a reflection moves differently from
+    /// its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
-    /// light. `u` is the index of the view's tested instant.
+    /// Schedules rays for the pixels in which the sample file does not determine the reflected or transmitted
+    /// light. `u` is the tested recorded instant.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -91,8 +91,7 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels in which a ray may replace the view's sample. This fast test precedes the slower one
-    /// in set_aside.
+    /// Lists the pixels that may need a ray. This quick test saves most of the slower tests in set_aside.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -111,10 +110,8 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded radiance of the view's samples to be checked. Samples that rays replace are
-    /// skipped.
-    /// Call for each recorded instant `u` of the view. `number` is the view's index in its set. `trees` may
-    /// be null.
+    /// Stores the colours that rays will check, unless a ray replaces them anyway. Call for each recorded
+    /// instant `u`. `number` is the index of the lens point; `trees` may be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -126,8 +123,8 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Recorded radiance of the checked samples: `noted_` per pixel of the current view, `recorded_` per ray.
-    /// w is the share of the sample that comes from records; the other components are weighted by w.
+    /// Radiance, times weight, of the pixels that rays check: `noted_` per pixel, `recorded_` per ray. w is
+    /// the weight, the fraction that was not replaced by rays.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -28,12 +28,13 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of elements of node[] in use. 4: one at each corner of the leaf. 1: a node at (at_x, at_y) px
-    /// from the cell's corner.
+    /// Number of used elements of node[]: 4 if each corner of the quadtree cell has a ray hit, or 1 for a
+    /// single hit, (at_x, at_y) px from the pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// Whether this quarter of the leaf may not show the surface (SheetNode::maybe).
+    /// True if the surface may be absent from this quarter of the quadtree cell, because an edge crosses the
+    /// cell.
     bool maybe = false;
 };
 
@@ -46,8 +47,8 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys and of leaves. Call
-    /// once after each `collect`.
+    /// Calls take(key, pieces) for each surface, in ascending order of keys. `pieces` are the parts of
+    /// quadtree cells that show the surface. Call once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -58,15 +59,15 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Returns whether inverse depths from `low` to `high`, in 1/m, may belong to one surface within `size`
-    /// px.
+    /// True if inverse depths from `low` to `high`, in 1/m, may belong to one continuous surface within
+    /// `size` px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// Hits of one surface at the corners of a quadtree leaf. A corner may see it several times; group n
-    /// contains the n-th nearest hits.
+    /// Ray hits of one surface at the corners of a quadtree cell. If a ray hits the surface several times,
+    /// group n has the n-th nearest hits.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -76,8 +77,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// What a corner of a quadtree leaf shows: a given surface (`here`), nearer ones (`before`) or farther
-    /// ones (`behind`).
+    /// Whether a corner of a quadtree cell shows a given surface (`here`), a nearer one (`before`) or a
+    /// farther one (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -95,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// `key_pieces_`: the number of each surface's pieces; after sort_pieces, the end of its pieces in
-    /// sorted_. Reset to 0 after use.
-    /// `key_group_`: each surface's first Group at the current leaf. Reset to `none` after use.
+    /// key_pieces_: number of pieces (parts of quadtree cells) of each surface; after sort_pieces, their end
+    /// in sorted_.
+    /// key_group_: first group of ray hits of each surface at the current cell.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

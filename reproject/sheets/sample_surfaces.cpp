@@ -32,7 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope is a depth difference divided by a width. Both are proportional to the depth, which cancels.
+    // The slope of the surface is a depth difference divided by a width. Each of them is proportional to the
+    // depth, which cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -61,7 +62,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // A pixel's records are sorted by layer, and within a layer by (y, x).
+        // The records of a pixel are sorted by layer (0 for visible surfaces, 1 and more for hidden ones),
+        // and within a layer by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -167,7 +169,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         trees->offsets.assign(1, 0);
         trees->any_below = false;
     }
-    // Reserved at once, because step-by-step growth would touch several times as much memory.
+    // All memory is reserved at once, because growing the lists step by step would need several times as
+    // much.
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
     const std::size_t most =
         band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
@@ -212,7 +215,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // The end of layer 0's shading tree: the first record of another position or layer.
+                    // Finds the end of the records of the visible surface and its reflections: the first
+                    // record of another position or of a hidden layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

@@ -29,13 +29,14 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// For each of the two children (reflected and transmitted), the marks (flags) that occur in its subtree.
+    /// For the reflected and the transmitted light: the flags (RecordMark) of all surfaces that contribute to
+    /// it.
     std::array<std::uint8_t, 2> marks_below{};
-    /// For each of the two children, the radiance of its whole subtree.
+    /// Reflected and transmitted radiance, summed over all surfaces seen by further reflections and
+    /// refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, the largest spectral norm, in 1/m, of the difference between this node's
-    /// W and that of a node in the child's subtree.
-    /// Infinite for nodes brighter than `bright_above` (find_trees), because they are drawn separately.
+    /// For the reflected and the transmitted surfaces: largest difference (spectral norm, in 1/m) between
+    /// their matrices W and this surface's W. Infinite if they are so bright that they are drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {

@@ -68,15 +68,15 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // A part of a pixel that belongs to one surface, with its range of 1/z'. A pixel whose depths differ too
-    // much has several parts.
+    // A part of a pixel that shows one continuous surface, with its range of inverse depths in 1/m. A pixel
+    // with a large depth difference has several parts.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether a piece of this part overlaps `p` in the same leaf. Then one lies behind the other, so
-    // they show different surfaces. Pieces that may not show the surface (`maybe`) do not count.
+    // True if the quadtree cell `p` overlaps a cell of this part of the surface. One then lies behind the
+    // other, so they are different surfaces.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -260,7 +260,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // Pieces that certainly show the surface are preferred to uncertain ones (`maybe`).
+        // Cells that certainly show the surface are preferred to those that may not show it.
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }
@@ -274,8 +274,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // A surface's leaves are usually in quadtree order, so a subtree's leaves are consecutive. Otherwise
-        // a stable partition makes them consecutive.
+        // The cells are usually in quadtree order, so those of a subtree are consecutive. Otherwise, a stable
+        // partition makes them consecutive.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
@@ -288,8 +288,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
-    // Fits planes around the cell's centre by least squares. A regularisation term keeps poorly determined
-    // slopes small.
+    // Fits a plane to the depths (and to each entry of W) in a pixel, by least squares. A regularisation term
+    // keeps poorly determined slopes small.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

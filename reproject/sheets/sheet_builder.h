@@ -24,14 +24,14 @@ class SheetBuilder {
     void build(const SheetSquare& square);
 
   private:
-    /// Returns whether the colours at the leaf's corners differ so much that the edge of a shadow or texture
-    /// must cross it.
+    /// True if the colours at the corners of the quadtree cell differ so much that the edge of a shadow or
+    /// texture must cross it.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the marks (flags, RecordMark) that the records at all four corners have, such as a texture
-    /// finer than the samples.
+    /// Returns the flags (RecordMark) that the records at all four corners of the quadtree cell have, such as
+    /// "texture finer than the samples".
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the reflected or transmitted light is uncertain within the leaf. Its contrast between
-    /// the corners is high, or all corners have the same mark (RecordMark).
+    /// True if the corners of the quadtree cell do not determine the reflected or transmitted light inside
+    /// it, because of a high contrast or a flag at all corners.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -41,13 +41,14 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns all highlights from index `first_light` on to the texel (colour of a quadtree leaf) added
-    /// last. `area` is the texel's area in px^2.
+    /// Assigns the highlights from index `first_light` on to the quadtree cell that was added last. `area` is
+    /// the cell's area in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet (surface within the square) under construction, with the pixels in the order of the square.
+    /// A surface within a square of 16 x 16 px, under construction. Its pixels are in the order of the
+    /// square.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

@@ -27,7 +27,8 @@ void find_sheet_keys(const SampleTrees& trees, SheetKeys& out) {
     out.keys.clear();
     out.of_node.resize(trees.nodes.size());
     std::unordered_map<SheetKey, std::uint32_t, KeyHash> numbers;
-    // A cache of recently used keys, indexed by hash. Neighbouring samples usually have the same keys.
+    // A cache of recently seen surfaces, indexed by hash, because neighbouring samples usually show the same
+    // surfaces.
     struct Recent {
         SheetKey key;
         std::uint32_t number = 0;

@@ -166,8 +166,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row only provides the lower corners of the pixels above it. The next call reads it again,
-        // so only the file's last row is passed to `also` here.
+        // The last row only provides the lower corners of the pixels above it, and is read again next time.
+        // `also` therefore receives it only at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -197,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // A copy, because this thread may start another task while `choice.squares` runs. That task would
-            // overwrite `made`.
+            // `made` is copied because this thread may start another task while `choice.squares` runs. That
+            // task would overwrite it.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

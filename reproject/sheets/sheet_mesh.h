@@ -39,8 +39,8 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs the index of a texel's sheet, the bits of its children (child_bit) and flags into one word.
-    /// `unsure` combines unsure_bit and unsure_below_bit.
+    /// Packs three values into one word: the index of the surface's part (Sheet), bits that tell whether it
+    /// reflects and transmits, and the flags `unsure`.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -49,11 +49,11 @@ struct Texel {
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
     /// Returns the bits (child_bit) of the surface's recorded reflection and refraction.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
-    /// Returns whether an edge may cross the quadtree leaf, so that its corners do not determine its colour:
-    /// an outline, a gap, or the edge of a shadow or texture.
+    /// True if an outline, a gap, or the edge of a shadow or texture may cross the quadtree cell. The corners
+    /// of the cell then do not determine its colour.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// Returns whether light that the surface reflects or transmits shows the edge of a shadow or texture
-    /// within the leaf.
+    /// True if the light that the surface reflects or transmits may contain the edge of a shadow or texture
+    /// within the quadtree cell.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
@@ -96,12 +96,12 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     float bend = 0;              ///< Record::w_bend
-    /// Gradient of 1/z' over the raster, in 1/m per px; 0 if no rays have measured it.
+    /// Gradient of inverse depth over the raster, in 1/m per px. 0 if no rays have measured it.
     glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
 
-    /// Returns whether the highlight's radiance is at least `radiance` in any channel.
+    /// True if the highlight's radiance in any channel is at least `radiance`. rgb is radiance times area.
     [[nodiscard]] bool exceeds(float radiance) const {
         return std::max({rgb[0], rgb[1], rgb[2]}) >= radiance * area;
     }
@@ -120,21 +120,21 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// Root of each cell's quadtree (a cell is a raster pixel of a sheet). `coarse` is for blurred surfaces:
-    /// it stores a completely covered cell as a single leaf.
+    /// Root of the colour quadtree of each pixel of each surface. `coarse` is for blurred surfaces: a pixel
+    /// that the surface covers completely is a single leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// `values` linear functions per cell, in 1/m, with the cell's centre as the origin: 1/z' and, for
-    /// reflected and transmitted surfaces, the entries xx, xy, yx and yy of W.
+    /// Linear functions of the position in a pixel, relative to its centre, in 1/m: inverse depth and, for
+    /// reflected and transmitted surfaces, the four entries of W.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each texel (colour of a quadtree leaf), the radiance of its reflected and transmitted subtrees
-    /// (TreeSurface::below). Empty if there are none.
+    /// For each quadtree cell, the radiance that its surface reflects and transmits. Empty if no surface
+    /// does.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// `bright` contains the highlights: all radiance above a limit (HighlightRule::above). `bright_texels`
-    /// lists the texels above this limit.
+    /// Highlights: the radiance above HighlightRule::above. `bright_texels` lists the quadtree cells with
+    /// radiance above this limit.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that have been taken out of the texels
@@ -159,8 +159,8 @@ struct BrightSheet {
 /// `above`; an impulse response spreads it over the image.
 struct HighlightRule {
     float above = 1;
-    /// Returns whether `light` becomes a highlight. `key` and `sheet` describe its sheet. If empty, nothing
-    /// becomes a highlight.
+    /// Returns whether the bright light of a surface becomes a highlight. `key` identifies the surface. An
+    /// empty function means that nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
 /// Returns, for each sheet, the area whose radiance exceeds the limit for highlights, and whether nearer
@@ -170,16 +170,15 @@ struct HighlightRule {
 /// Selects the needed sheets (parts of surfaces) of an instant. Others are not built. The choice changes the
 /// sheets' indices, but not their contents.
 struct SheetChoice {
-    /// Returns whether to read the row of squares (SheetMesh::square_px high) that begins at raster row y. If
-    /// empty, all rows are read.
+    /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
+    /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes unneeded sheets from `some`: part number `part`, from the left, of the row of squares that
-    /// begins at raster row y. Each part has `squares_per_part` squares.
-    /// Called by several threads, before highlights are taken out. If empty, all sheets are needed.
+    /// Removes unneeded surfaces from `some`, the part with index `part`, from the left, of the row of
+    /// squares that begins at raster row y. Called by several threads. An empty function keeps all surfaces.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read; it begins at raster row y. Appends this row's sheets
-    /// from an earlier reading to `parts`, from left to right.
+    /// Called for each row of squares that is not read. Appends the surfaces of this row, known from an
+    /// earlier reading, to `parts`, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };

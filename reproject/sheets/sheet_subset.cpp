@@ -30,8 +30,8 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Returns the finished mesh, after the last `add`. `number` maps sheets of `from_` to their new index,
-    /// or to SheetNode::none if they are not copied.
+    /// Returns the copied part of the mesh. `number` maps each surface of the original to its index in the
+    /// copy, or to SheetNode::none if it is not copied.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {
