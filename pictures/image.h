@@ -52,7 +52,6 @@ struct Crop {
     [[nodiscard]] bool contains(int px, int py) const {
         return px >= x && px < x + width && py >= y && py < y + height;
     }
-    /// Returns true if the crop overlaps the given rectangle of the image.
     [[nodiscard]] bool meets(int px, int py, int w, int h) const {
         return px < x + width && x < px + w && py < y + height && y < py + h;
     }

@@ -122,7 +122,6 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// Stores a sample in the table. Returns false if its position lies between those of the table.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;

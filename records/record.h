@@ -92,8 +92,8 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, the linear model of how a surface's image moves with the lens point, in 1/m^2. A lens
-    /// point R metres from the centre misplaces the image by about (film distance / pixel pitch) * w_bend *
+    /// Error of W, the linear model of how a surface's image moves with the lens point, in 1/m^2. Seen from R
+    /// metres off the lens centre, the image is misplaced by about (film distance / pixel pitch) * w_bend *
     /// R^2 px.
     /// The value is 0 if W is exact or its error was not measured. It is infinite if other lens points do not
     /// see the surface along the same reflections and refractions.

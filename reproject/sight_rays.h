@@ -69,8 +69,8 @@ class SightRays {
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// For each ray, computes the inverse depth of its hit on the object `id`, in 1/m, and the depth's
-    /// gradient over the raster, in 1/m per px. 0 for a miss. Thread-safe. Only for static scenes.
+    /// For each ray, computes the inverse depth of its hit on the object `id`, in 1/m, and the gradient of
+    /// inverse depth, in 1/m per px. 0 for a miss. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// True if a point of the object has the same radiance for all rays that reach it by `path`. False if the

@@ -92,7 +92,6 @@ class Measured {
         return out;
     }
 
-    /// Returns the `merge` command that joins the results of all tasks, or null if there is nothing to join.
     [[nodiscard]] Json merge() const {
         if (work_.shares == 1 || work_.frames) return nullptr;
         Json words{"merge"};

@@ -33,8 +33,6 @@ Drawing draw_section(const LensSection& section, const Prescription& lens, const
     constexpr double width = 1200, margin = 24, caption = 44;
     const double z0 = section.front_z_mm, z1 = section.film_z_mm + 0.03 * (section.film_z_mm - z0);
     const double height_mm = std::max(section.height_mm, 1e-6);
-    // The drawing of the lens fills the width of the image, unless its upper half would then be more than 425
-    // px high.
     const double scale = std::min((width - 2 * margin) / (z1 - z0), 425 / height_mm);
     const double middle = margin + height_mm * scale;
     Drawing out(static_cast<int>(width), static_cast<int>(2 * middle + caption));

@@ -57,7 +57,6 @@ void add_trace(CLI::App& root, CommandOptions& s) {
     share_option(app, s.share, "rows of the records, or every N-th of --frames");
     number(app, "--time", t.time_s, "Instant of the trace on the scene's clock [default: the scene's]", "S",
            any_value);
-    // A trace has no lens, so --focal-length is refused. The error message states what to use instead.
     app.add_option_function<std::string>("--focal-length",
                                          [](const std::string& text) {
                                              fail(ExitCode::wrong_arguments,

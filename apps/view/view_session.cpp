@@ -185,7 +185,6 @@ ViewSession::ViewSession(ViewOptions options)
         fail(ExitCode::invalid_input, "{}: not a scene (got the kind {}; expected the scene of {})",
              *options_.scene, of_scene["kind"].dump(), options_.input);
     }
-    // Compares SHA-256 hashes, to check that the sample file was traced from this scene.
     if (facts_[key] != of_scene.at(key)) {
         fail(ExitCode::invalid_input,
              "{}: is not the scene that {} was traced from (got SHA-256 {:.12}...; expected {:.12}...)",

@@ -90,7 +90,6 @@ class ViewSession {
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
                                                     const std::string& input) const;
-    /// Returns the words of a `render` command line with the lens and shutter of `parameters`.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
     [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,

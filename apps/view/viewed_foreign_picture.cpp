@@ -94,8 +94,6 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// Returns the lens given by the options, or else by the file. Empty if the f-number or the focus
-    /// distance is not known.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;

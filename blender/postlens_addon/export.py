@@ -34,8 +34,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # In Blender, a material belongs to the mesh or to the object. The slots of the object list both kinds, so
-            # they are copied to the mesh.
+            # In Blender, a material belongs to the mesh or to the object. The object's slots list both kinds, so they
+            # are copied to the exported mesh.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:

@@ -74,7 +74,6 @@ def show(path, can_open=False):
     if image is None:
         image = bpy.data.images.load(path)
         image.name, image[IMAGE] = IMAGE, True
-        # Displays the image with the scene's view transform and exposure, as Blender displays a render.
         image.use_view_as_render = True
     else:
         image.filepath = path

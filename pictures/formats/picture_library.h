@@ -41,7 +41,7 @@ class PictureReader {
     PictureReader& operator=(PictureReader&&) = delete;
 
     [[nodiscard]] virtual const PictureLayout& layout() const = 0;
-    /// Reads the first `channels` channels of all pixels into `to`, row by row, as values from 0 to 1.
+    /// Reads the first `channels` channels of all pixels into `to`, row by row. Integers are scaled to 0..1.
     /// Returns an error message, or "" on success.
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };

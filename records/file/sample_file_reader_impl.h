@@ -86,7 +86,6 @@ struct SampleFileReader::Impl {
     void read_alone(std::size_t instant, int y, Workplace& work) const;
     /// Makes the records that replace the damaged pixel row y, from the row above if that is intact.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the records that replace the damaged row y into `band`, from the index `base` on.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
     /// Returns the position and the size, in bytes, of the data of the file's chunk at `at`. Throws unless

@@ -202,8 +202,8 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Image row y - 1 is computed from the records of rows y - 1 and y. The previous call has computed it for
-    // the first row of the band.
+    // Image row y - 1 is computed from the records of rows y - 1 and y. For the first row of the band, this
+    // was already done above.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
