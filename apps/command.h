@@ -45,8 +45,8 @@ struct CommandResult {
     /// The image made by the command. Empty if the image was written to a file. `render --halves` adds two
     /// images, each made from half of the samples.
     std::vector<Image> pictures;
-    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Only set by `focus` and
-    /// `shoot`, if a scene is given and the image is returned.
+    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. Set only by `focus` and
+    /// `shoot` if they trace rays.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
     /// Work that begins after the command has printed its result: `view` runs its web server until it is
@@ -238,8 +238,8 @@ struct CompareCommandOptions {
     std::optional<Crop> crop;                      ///< part of the images that is compared
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// `map_causes` is the file name of an output image that shows the cause of each pixel's error. `frame`
-    /// is the sample file from which the tested image was made.
+    /// `map_causes` is an output image that shows the cause of each pixel's error. `frame` is the sample file
+    /// from which the tested image was made.
     std::optional<std::string> map_causes, frame;
     /// The scene from which the sample file was traced. Rays traced in the scene help to find the causes of
     /// errors.

@@ -19,8 +19,8 @@ struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weight of the sample in the quadrants up-left, up-right, down-left and down-right. Each undivided
-    /// quadtree cell gives a quarter of its area, in px^2, to each corner.
+    /// Weights of the sample in the quadrants up-left, up-right, down-left and down-right. A quadtree cell
+    /// gives a quarter of its area, in px^2, to each corner.
     std::array<float, 4> weight{};
     /// Edge length, in px, of the undivided quadtree cell in each quadrant, in the order of `weight`. 0 if no
     /// cell there has a corner at this sample.

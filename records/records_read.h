@@ -12,8 +12,8 @@ namespace postlens {
 struct RecordsRead {
     /// Receives the point samples of rows y_begin to y_end - 1. Each row is passed once, from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives pixel rows y_begin to y_end - 1 and the undivided cells of their quadtrees. Each row is
-    /// passed once. Several threads may call this function at the same time.
+    /// Receives pixel rows y_begin to y_end - 1 and the undivided cells of their quadtrees, each row once.
+    /// May be called by several threads at once.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 

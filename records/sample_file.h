@@ -45,7 +45,7 @@ class SampleFileWriter {
     /// -overscan to width + overscan.
     void write(const RecordBand& band);
     /// Starts the next recorded instant of a moving scene, from the top row on. Throws Error(invalid_input)
-    /// if rows of the current instant are missing, or no instants remain.
+    /// if rows are missing or no instants remain.
     void next_instant();
     /// Completes the file and moves it from its temporary name to its path. Returns its size in bytes.
     std::uint64_t finish();

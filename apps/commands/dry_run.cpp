@@ -208,8 +208,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each machine's images as a fixed time plus a time per image. Runs with one image
-    /// and with several images measure the two times.
+    /// Predicts the time of each machine's images as a fixed time plus a time per image. Measures these times
+    /// with short runs.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {

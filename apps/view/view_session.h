@@ -50,8 +50,8 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quick image of fewer, larger pixels, in the format of `picture`. In the JSON, "by" is the
-    /// width of such a pixel in pixels of the full image.
+    /// Returns a quick image with larger pixels, in the format of `picture`. In the JSON, "by" is their width
+    /// in pixels of the full image.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns a ray-traced image of the scene, in the format of `picture`. Cancels an older request only if
     /// it is for a ray-traced image.

@@ -60,8 +60,8 @@ class Lens:
     def options(self):
         impulse = "disc"
         if self.blades >= 3:
-            # Blender states the angle of a side of the aperture polygon, counter-clockwise. postlens states that of a
-            # corner, clockwise. So the angle is negated and shifted by half a side.
+            # Blender states the angle of a side of the aperture polygon, counter-clockwise; postlens that of a corner,
+            # clockwise. Adjacent corners are 360 / blades degrees apart.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]

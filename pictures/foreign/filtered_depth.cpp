@@ -176,8 +176,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A mixed depth may be found along a row and along a column. The larger depth step is kept, because a
-        // row along an edge may contain only mixed depths.
+        // A mixed depth may be found in a row and in a column. The larger step is kept, because a row along
+        // an edge may have only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -21,8 +21,8 @@ class MatteShares {
     /// its pixels.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels stored in `part`, which the caller reads together with the colours.
-    /// Empty if `part` lacks the channels of the first rank, which must be read first.
+    /// Returns the Cryptomatte channels in `part` that the caller can read together with the colours. Empty
+    /// if the first rank, which must be read first, is elsewhere.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the Cryptomatte values of `count` adjacent pixels, from the index `pixel` on. values[c]
     /// points to the values of channel c.

@@ -30,11 +30,11 @@ class ScanlineBytes {
     /// offsets[i + 1] - 1.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record from the stored numbers of records. `offsets` has one
-    /// entry per pixel and the total number. Returns false if the stored numbers are damaged.
+    /// Computes the index of each pixel's first record, and finally their total number. Returns false if the
+    /// stored numbers of records are damaged.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records. Channels that the file does not store become 0, except W, which becomes the unit
-    /// matrix divided by z'. Returns false if a position is not a multiple of 1/1024 px.
+    /// Unpacks the records of the row. Channels that are not stored become 0, and W the unit matrix divided
+    /// by z'. Returns false if a position is damaged.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

@@ -202,14 +202,14 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Image row y - 1 is computed from the records of rows y - 1 and y. For the first row of the band, this
-    // was already done above.
+    // Computing image row y - 1 needs the records of rows y - 1 and y. For the first row of the band, this is
+    // done above.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Image rows are written as soon as they are complete. The order of data in the file then does not depend
-    // on how many rows are written per call.
+    // Writes image rows as soon as they are complete. The order in the file then does not depend on the
+    // number of rows per call.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);
