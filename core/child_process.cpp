@@ -32,8 +32,7 @@ ChildResult run_child(const std::vector<std::string>& words, const std::filesyst
     if (error != 0) return {.exit_code = 127};
     int status = 0;
     rusage usage{};
-    // Checks for cancellation at short intervals. A cancelled job also ends the child, because the signal may
-    // have reached only this process.
+    // Kills the child process too if the user cancels, because Ctrl-C may have reached only the parent.
     constexpr std::chrono::milliseconds between_looks(2);
     for (bool cancelled = false;;) {
         const pid_t ended = wait4(pid, &status, cancelled ? 0 : WNOHANG, &usage);

@@ -45,7 +45,7 @@ class WidestJob {
         const int widest = threads_.empty() ? 0 : *threads_.rbegin();
         if (widest == allowed_) return;
         allowed_ = widest;
-        // TBB applies the lowest of all existing limits, so the old limit is removed first.
+        // Removes the old limit first, because TBB applies the lowest of all existing limits.
         control_.reset();
         if (widest > tbb::info::default_concurrency()) {
             control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));
@@ -94,7 +94,8 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // If the TBB arena is full, `work` runs on another thread, which needs its own JobScope.
+    // If all threads of the TBB arena are busy, another thread runs `work`. It must also know that it works
+    // for this job.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

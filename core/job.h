@@ -33,7 +33,7 @@ struct JobSettings {
 /// Jobs do not affect the thread pools of other libraries (OpenEXR, OpenImageIO, OpenCV).
 class Job {
   public:
-    /// Throws Error(out_of_memory) if the system does not allow this number of threads.
+    /// Throws Error(out_of_memory) if the system cannot start this number of threads.
     explicit Job(JobSettings settings = {});
     ~Job();
     Job(const Job&) = delete;
@@ -41,8 +41,8 @@ class Job {
     Job(Job&&) = delete;
     Job& operator=(Job&&) = delete;
 
-    /// Returns the job that the calling thread works for. Outside of every `JobScope`, this is the default
-    /// job of the process, with one thread per core and no watcher.
+    /// Returns the job that the calling thread works for. Outside of every `JobScope`, it is the default job
+    /// of the process, which has one thread per core and does not report progress.
     [[nodiscard]] static Job& current();
 
     /// Cancels the job: its work throws Error(interrupted) at the next check. Any thread and any signal

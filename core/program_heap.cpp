@@ -10,12 +10,12 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // 64 MB is the size of a thread's heap, 32 MB the largest threshold of glibc. A thread's heap then keeps
-    // its memory, with its huge pages.
+    // 64 MB is the size of a thread's heap, 32 MB the largest threshold that glibc allows. Threads thus keep
+    // unused memory, with its huge pages.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
-    // By default, glibc returns more than 128 KB of unused memory at the end of the main heap, with its huge
-    // pages.
+    // Keeps unused memory at the end of the main heap. By default, glibc returns more than 128 KB to the
+    // system, with its huge pages.
     mallopt(M_TRIM_THRESHOLD, 256 * MB);
 #endif
     return true;

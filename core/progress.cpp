@@ -39,8 +39,8 @@ class Bar {
     void draw(const ProgressReport& report) {
         constexpr int bar_columns = 30;
         const int filled = static_cast<int>(report.share * bar_columns);
-        // The percentage is rounded down, so 100 % appears only at the end. A single call writes the bar, so
-        // that no other output appears inside it.
+        // Rounds the percentage down, so that 100 % appears only at the end. A single call writes the bar, so
+        // that no other output interrupts it.
         const std::string line = fmt::format(
             "\r{} [{:=<{}}{: <{}}] {:3} %  {} left\033[K", report.step, "", filled, "", bar_columns - filled,
             static_cast<int>(report.share * 100), duration_text(report.seconds_left));
@@ -55,7 +55,7 @@ class Bar {
 }  // namespace
 
 std::string duration_text(double duration_s) {
-    // Durations are limited to 1000 days, because much larger values do not fit the integer.
+    // Limits durations to 1000 days, because much larger values do not fit the integer.
     constexpr double longest_s = 1000 * 86400.0;
     const auto seconds =
         static_cast<std::int64_t>(duration_s > 0 ? std::min(duration_s, longest_s) + 0.5 : 0);
@@ -88,7 +88,7 @@ void Progress::advance(std::uint64_t units) {
     const double elapsed_s = seconds_since(start_);
     const auto elapsed_ms = static_cast<std::int64_t>(elapsed_s * 1000);
     auto due = next_report_ms_.load(std::memory_order_relaxed);
-    // Only the thread that updates the time of the next report makes the report.
+    // Only one thread makes the report: the one that succeeds in setting the time of the next report.
     if (elapsed_ms >= due && next_report_ms_.compare_exchange_strong(due, elapsed_ms + 100)) {
         report(elapsed_s, false);
     }

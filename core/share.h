@@ -8,8 +8,8 @@ namespace postlens {
 /// Share number `index` of `count` shares. `index` begins at 0.
 struct Share {
     int index = 0, count = 1;
-    /// Returns true if item i, such as a frame or an image, belongs to this share: every `count`-th item
-    /// does.
+    /// Returns whether item i, such as a frame or an image, belongs to this share of the work. Every
+    /// `count`-th item does.
     [[nodiscard]] bool has(std::size_t i) const {
         return i % static_cast<std::size_t>(count) == static_cast<std::size_t>(index);
     }

@@ -46,8 +46,8 @@ void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, in
 /// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
-    /// `n` is the number of samples of a pixel, 1 .. 2^20. Indices are shuffled among the first 2^k >= n,
-    /// with the smallest such k.
+    /// `n` is the number of samples of a pixel, 1 .. 2^20. Sample indices are shuffled among the first 2^k,
+    /// the smallest power of two not less than n.
     explicit SobolPadding(std::uint32_t n);
     void fill_2d(SetKey key, int first, int lanes, float* u, float* v) const;  ///< a (0,2)-sequence
     void fill_1d(SetKey key, int first, int lanes, float* u) const;            ///< a (0,1)-sequence

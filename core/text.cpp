@@ -45,8 +45,8 @@ std::optional<double> parse_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error == std::errc::invalid_argument || end != text.data() + text.size()) return std::nullopt;
     if (error == std::errc::result_out_of_range) {
-        // from_chars returns the same error for underflow and overflow, and leaves `value` unchanged. A
-        // negative exponent means that the number is too small.
+        // from_chars reports underflow and overflow by the same error, and leaves `value` unchanged. A
+        // negative exponent means underflow.
         const std::size_t e = text.find_first_of("eE");
         const bool tiny = e != std::string_view::npos && text.substr(e + 1).starts_with('-');
         return tiny ? 0.0 : std::numeric_limits<double>::infinity();
@@ -106,7 +106,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
     std::string_view best;
     std::size_t best_distance = std::numeric_limits<std::size_t>::max();
     for (const std::string_view candidate : candidates) {
-        // Only the first 256 characters are compared, so that malicious input cannot take much time.
+        // Compares only the first 256 characters, so that malicious input cannot take much time.
         const std::size_t distance = edit_distance(word.substr(0, 256), candidate.substr(0, 256));
         if (distance < best_distance && distance <= most_edits) {
             best_distance = distance;

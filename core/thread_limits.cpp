@@ -42,7 +42,8 @@ void require_threads(int number) {
 }
 
 int library_threads() {
-    // More threads would have little work each, and may fail to start if memory or processes are limited.
+    // More threads would have little work each. They might not even start if memory or the number of
+    // processes is limited.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

@@ -27,7 +27,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // Relaxed on purpose: stronger ordering would hide races between chunks from ThreadSanitizer.
+            // Relaxed on purpose: stronger ordering would hide races between loop iterations from
+            // ThreadSanitizer.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -63,8 +64,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
-                              // Checks for cancellation every `grain` indices. A range from TBB can be many
-                              // times longer.
+                              // Checks for cancellation every `grain` indices, because a range from TBB can
+                              // be many times longer.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

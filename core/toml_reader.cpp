@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // toml++ gives no position for a table that is defined only implicitly. Messages then name line 1.
+    // toml++ gives no position for a table that is defined only implicitly. Error messages then name line 1.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
 
@@ -132,8 +132,8 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // toml++ sorts the keys of a table by name. The error should name the unknown key that comes first in
-        // the file.
+        // Finds the unknown key that comes first in the file, for the error message. toml++ sorts keys by
+        // name.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

@@ -40,8 +40,8 @@ class TomlTable {
     [[nodiscard]] const std::string& what() const { return what_; }
     void rename(std::string what) { what_ = std::move(what); }
 
-    /// Throws if the table has a key that is in none of the lists. The error names it and the most similar
-    /// known key.
+    /// Throws if the table has a key that is in none of the lists. The error names this key and the most
+    /// similar known one.
     void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
 
@@ -52,44 +52,43 @@ class TomlTable {
     [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
     /// Returns a printable text of 1 to 255 bytes.
     [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-    /// Returns the index of the value, a text, in `choices`. For an unknown text, the error names the most
-    /// similar choice.
+    /// Returns the index in `choices` of the key's value, which must be a text. For an unknown text, the
+    /// error names the most similar choice.
     [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
                                                     std::span<const std::string_view> choices) const;
     [[nodiscard]] std::optional<glm::dvec3> vec3(std::string_view key, const NumberRange& range = {}) const;
     /// Returns an array of exactly `count` numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                              const NumberRange& range = {}) const;
-    /// Returns an array of any number of numbers. It is empty if the key is absent.
+    /// Returns an array of numbers of any length. It is empty if the key is absent.
     [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
-    /// Returns three numbers. A single number in the file stands for three equal ones.
+    /// Returns three numbers. In the file, a single number may stand for three equal ones.
     [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
                                                            const NumberRange& range = {}) const;
-    /// Returns an array of arrays of numbers, such as points. Each must have min_columns to max_columns
-    /// numbers.
+    /// Returns an array of arrays of numbers, such as points, each with min_columns to max_columns numbers.
     [[nodiscard]] std::optional<std::vector<std::vector<double>>> rows(std::string_view key,
                                                                        std::size_t min_columns,
                                                                        std::size_t max_columns,
                                                                        const NumberRange& range = {}) const;
-    /// Returns an array of texts. A single text in the file counts as an array.
+    /// Returns an array of texts. In the file, a single text may stand for an array of one.
     [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
     [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
     /// Returns an array of tables, written as [[key]] or as [{...}, ...]. It is empty if the key is absent.
     /// Error messages name each table by `what` and its number.
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key, std::string_view what) const;
 
-    /// Returns the value of a required key, or throws if it is absent, for example:
+    /// Returns the value of a required key, or throws if it is absent. Example:
     /// required(t.number("radius_m"), "radius_m").
     template <typename T>
     [[nodiscard]] T required(std::optional<T> value, std::string_view key) const {
         if (!value) fail_here("has no '{}' (expected one)", key);
         return *std::move(value);
     }
-    /// Throws if both keys are present. Use it for keys that set the same value in different ways.
+    /// Throws if both keys are present, because they set the same value in different ways.
     void refuse_both(std::string_view a, std::string_view b) const;
 
-    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the key's value.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ...", with the position of the key's value.
     template <typename... Args>
     [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
                               Args&&... args) const {

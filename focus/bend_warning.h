@@ -24,11 +24,11 @@ namespace postlens {
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the records of image rows [y_begin, y_end), which `band` contains. Each row must be added exactly
-    /// once, from top to bottom.
+    /// Adds the surface samples of the image rows [y_begin, y_end), which `band` must contain. Add every row
+    /// exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns the misplaced radiance of each pixel, row by row. The result is empty if no record is
-    /// misplaced.
+    /// Returns, for each pixel, the radiance that linear reprojection puts at a wrong position. Returns an
+    /// empty list if there is none.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

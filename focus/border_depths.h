@@ -19,11 +19,11 @@ class BorderDepths {
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel corner at the border, how far the lens spreads its light, in px.
+    /// Returns, for each pixel corner at the image border, the largest distance over which the lens spreads
+    /// its light, in px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:
-    /// Inverse depths of the nearest and the farthest surface, in 1/m. The initial values mean no surface.
     struct Range {
         float nearest = 0, farthest = HUGE_VALF;
     };

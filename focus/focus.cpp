@@ -86,7 +86,6 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
                const Draw& draw) {
     const int block_px = plan.block_px;
     const std::size_t most_bytes = plan.most_bytes;
-    // The records are read twice to plan the strips, and once more for each strip.
     splats.survey();
     take_in(frame, splats);
     const auto add = [&](const RasterWindow& part) {
@@ -114,7 +113,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // A row of blocks that exceeds the memory limit is divided into parts from left to right.
+        // If even one row of blocks exceeds the memory limit, its blocks are computed in several groups, from
+        // left to right.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -163,8 +163,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // A record yields at most one splat on average, because most samples of a pixel are merged. Sorting
-        // and compositing need five sixths of the memory.
+        // Memory estimate: one blur kernel per surface sample on average, because most samples within a pixel
+        // are merged. Sorting and compositing need the remaining 5/6 of the memory.
         double sums = 0;  // of all strips so far
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
@@ -177,15 +177,15 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        }
                    });
     } else {
-        // A record yields up to four splats, one per subpixel position. Kernels and colours need two thirds
-        // of the memory.
+        // Memory estimate: up to four blur kernels per surface sample, one for each rounded subpixel
+        // position. Computing kernels and colours needs the remaining 2/3 of the memory.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
                        scatter(splats, image, part);
                    });
     }
-    // Free unused memory, because writing the image needs as much memory as the image itself.
+    // Frees unused memory first, because writing the image file needs as much memory as the image itself.
     if (parts) give_back_memory();
     return out;
 }
@@ -219,8 +219,8 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // A pixel is affected if more than this share of its light would come from unrecorded reflections or
-    // refractions.
+    // A pixel counts as affected if more than this share of its light would come from reflections or
+    // refractions that are not in the file.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /
@@ -243,7 +243,6 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
     check_crop(settings.crop, h.width, h.height);
     if (h.projection == Projection::orthographic) {
-        // An orthographic camera has parallel rays and thus no lens, aperture or film distance.
         if (!pinhole) {
             fail(ExitCode::wrong_arguments,
                  "f-number is out of range for an orthographic file, which no lens can have taken (got {}; "
@@ -269,8 +268,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // The crop is in pixels of the result. If the result is magnified, the whole traced image is computed
-    // first.
+    // The crop is in pixels of the magnified image. So if there is a magnification, the whole traced image is
+    // computed first.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

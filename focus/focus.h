@@ -22,7 +22,8 @@ namespace postlens {
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
-    /// An infinite f_number means a pinhole. A real lens in `impulse` overrides `lens.focal_length_mm`.
+    /// An infinite f-number means a pinhole. If `impulse` is a real lens, its focal length is used instead of
+    /// `lens.focal_length_mm`.
     ThinLens lens;
     double focus_distance_m = 1;
     Framing framing = Framing::keep;
@@ -30,19 +31,20 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. By default,
-    /// rounding to these depths changes CoC diameters by less than half a pixel. With linear `spacing`, or
-    /// above 2048 px, it may be more.
+    /// Number of depths that have their own blur kernel, from 2 to DepthLevels::most_depths. By default,
+    /// enough that rounding changes CoC diameters by less than half a pixel (more with linear `spacing`, or
+    /// above 2048 px).
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
-    /// The pixels to compute; all other pixels are undefined. They are bit-identical to those of the whole
-    /// image. Warnings count only these pixels.
+    /// If set, only the pixels in this rectangle are computed, and all others are undefined. They are
+    /// bit-identical to those of the whole image.
     std::optional<Crop> crop;
-    /// Memory limit, in bytes, for the splats (impulse responses of samples) of `scatter` and `layers`.
-    /// Larger images are made in strips (groups of rows), with bit-identical results.
+    /// Memory limit, in bytes, for the blurred samples of the methods `scatter` and `layers`. Larger images
+    /// are computed in groups of rows, with bit-identical results.
     std::size_t splat_bytes = std::size_t{672} << 20;
-    /// Limit of the cost of `layers`, measured by layer_sums. Above it, the result has no image.
+    /// Upper limit of the cost of the method `layers`, as computed by layer_sums. Above it, the result has no
+    /// image.
     double most_layer_sums = std::numeric_limits<double>::infinity();
 };
 
@@ -58,8 +60,8 @@ struct FocusWarning {
 struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
-    /// Number of depths with an impulse response: FocusSettings::depths, or by default the number of
-    /// different CoC radii in use. It is 0 for a pinhole.
+    /// Number of depths with their own blur kernel. By default, it is the number of different CoC radii in
+    /// use. It is 0 for a pinhole.
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image

@@ -109,7 +109,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
         image.planes.push_back(std::move(id));
         image.planes.push_back(std::move(coverage));
     }
-    // The metadata key of a Cryptomatte contains the first seven digits of the hash of its name.
+    // The Cryptomatte specification wants the first seven hex digits of the hash of the layer's name as
+    // metadata key.
     const std::string key =
         fmt::format("cryptomatte/{:08x}", cryptomatte_id(source.name)).substr(0, 19) + "/";
     image.texts.emplace_back(key + "name", source.name);
@@ -124,8 +125,9 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// from the differences between independent sets of views.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // Two small sets of views may agree by chance. They would do so over a large area, because pixels of the
-    // same depth use the same lens points.
+    // Smallest total number of views (images from single lens points) that are compared. With fewer, the
+    // noise could seem too small by chance, and over a large area, because pixels of the same depth use the
+    // same lens points.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

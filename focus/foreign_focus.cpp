@@ -185,7 +185,7 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Rows beyond the border use the estimates behind the nearest row of the picture.
+                // Beyond the border of the image, the estimates behind its nearest row are used.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -206,8 +206,8 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate what lies behind a translucent sample, so the sample fills
-                    // its pixel.
+                    // The method `scatter` ignores what lies behind a translucent sample, so the sample
+                    // counts as opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -230,8 +230,8 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `scatter` divides each pixel by its sum of weights. Without a weight of empty space, blur would
-            // make the edge of an object opaque. `layers` composites empty space instead.
+            // The method `scatter` divides each pixel by its sum of weights. Empty space therefore needs a
+            // weight, or blur would make the edges of objects opaque.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -250,8 +250,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Any depth model can be used here. It matters only for reflected and transmitted surfaces, which
-        // these images do not store.
+        // Any depth model gives the same result, because models differ only for reflections and refractions,
+        // which these images do not contain.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -259,8 +259,8 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by the share of the lens that transmits light to the pixel, because vignetting must not
-    /// reduce alpha. Where the lens blocks all light, alpha is 1.
+    /// Divides alpha by the fraction of the lens that sends light to the pixel, because vignetting must not
+    /// reduce alpha. Where this fraction is 0, alpha becomes 1.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -344,7 +344,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         of_picture.is_see_through = ends_in_nothing(behind[i], open);
     }
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // Gaps in the crop may need pixels outside the crop to be filled. In that case the whole image is drawn.
+    // Filling a hole may need pixels outside the crop. The whole image is then drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;

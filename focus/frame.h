@@ -27,8 +27,8 @@ struct TreeSheets;
 /// - `samples`: the point samples (eye rays)
 /// - `plain`: compact copies of those between undivided pixels without reflections
 struct FrameRows {
-    /// Number of rows per task. Smaller tasks are inefficient, because each task also reads the row above and
-    /// the row below.
+    /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
+    /// and the row below.
     static constexpr int rows_per_task = 8;
     const RecordBand* band = nullptr;
     int y_begin = 0, y_end = 0;
@@ -44,30 +44,30 @@ struct FrameRows {
 /// visited them.
 class FocusFrame {
   public:
-    /// `many` states that several images will be made, so the frame keeps the file's data in memory. The
-    /// frame keeps a reference to `file`.
+    /// Set `many` to make several images: the file's data are then kept in memory. Keeps a reference to
+    /// `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
     [[nodiscard]] bool many() const { return many_; }
 
-    /// Calls visit(rows) for bands of rows, from the top down. The bands contain the rows [y_begin, y_end),
-    /// and possibly more. Throws the errors of the reader, and Error(out_of_memory).
+    /// Calls visit(rows) for groups of rows, from the top down. They contain the rows [y_begin, y_end), and
+    /// possibly more. Throws errors of the file reader, and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns the surfaces at a recorded instant, divided into sheets (surfaces within squares of the
-    /// raster). The result is valid until the next call for the same instant.
+    /// Returns the surfaces at a recorded instant, divided into squares of 16 x 16 px. The result is valid
+    /// until the next call for the same instant.
     ///
     /// - `rule` selects highlights; rule.above must be the same in all calls
-    /// - `also` receives the records of each row once; only for instant 0
+    /// - `also` receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest w_bend of each pixel, at least for rows [y_begin, y_end) of the image. w_bend is
-    /// the error of reprojecting a record linearly, by its 2x2 matrix W.
+    /// Returns, for each pixel of at least the rows [y_begin, y_end), the largest w_bend of its samples.
+    /// w_bend is how nonlinearly an image in a mirror or glass moves over the lens.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
-    /// Returns the depths at the border of the traced area, at instant 0.
+    /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.
     [[nodiscard]] const BorderDepths& border_depths();
 
   private:

@@ -17,12 +17,12 @@ inline constexpr float darkest_shown = 1.0F / 255;
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {
   public:
-    /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.
+    /// Allocates memory for the rows [y_begin, y_end) of the image that `header` describes. The overscan is
+    /// not included.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Adds the records of image rows [y_begin, y_end), in parallel. Rows that the constructor was not given
-    /// are skipped.
+    /// Adds the samples of the image rows [y_begin, y_end), in parallel. Rows outside the range given to the
+    /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
     /// The values of row y, one per pixel of the image.
     [[nodiscard]] const float* row(int y) const {

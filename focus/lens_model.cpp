@@ -23,13 +23,13 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Radius, in px, from which fewer subpixel positions are used, because they are not visible in larger
-    // responses.
+    // Blur radius, in px, from which kernels are computed for fewer subpixel positions, because the
+    // difference is invisible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // All samples in a cell (square of the image) share one response. Within a cell, it changes
-        // invisibly, by at most half a pixel or 2 % of its radius.
+        // Width of the squares of the image in which all samples share one blur kernel. Within a square, the
+        // kernel changes invisibly: by at most half a pixel or 2 % of its radius.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -41,8 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // Upper bound of the displacement by the anisotropic part of `map_px`, which occurs in mirrors and
-        // glass. The factor 1.5 allows for a pupil that exceeds the nominal aperture.
+        // Upper bound of the additional blur by mirrors and glass (astigmatism). The factor 1.5 allows for a
+        // pupil that is larger than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -55,15 +55,15 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // A disc replaces a response smaller than a pixel, whose shape is not visible. At a pixel corner, a
-        // disc divides its light equally between the four pixels.
+        // A disc replaces blur smaller than a pixel, whose shape is invisible. At a pixel corner, it divides
+        // the light equally between four pixels.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An ellipse replaces large anisotropic responses, which mirrors and glass cause. They are so faint
-        // that the lens's aberrations are invisible.
+        // An ellipse replaces large blur with astigmatism, as in mirrors and glass. Its light is so faint
+        // that the aberrations of the lens are invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,8 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the inverse depth of a sample: the mean of the diagonal of its 2x2 matrix W. `map_px` is gain R
-    // (I/s - W), with gain = film distance in px, R = aperture radius, s = focus distance.
+    // Inverse depth of a sample in 1/m: the mean of the diagonal of its 2x2 matrix W. `map_px` is gain R (I/s
+    // - W), with gain = film distance in px, R = aperture radius, s = focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -19,7 +19,6 @@ std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, 
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // `radii` has one value per pixel corner. Two corners of a border pixel lie on this side.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
         // The limit of 1e6 px exceeds the size of any image.
@@ -49,7 +48,7 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // All sides of the image have the same overscan, so the largest need decides.
+    // The overscan is equal on all sides, so the side with the widest blur decides.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

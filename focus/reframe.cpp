@@ -59,8 +59,8 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Average vertically first, then horizontally, so that each traced row is read once and in memory
-            // order.
+            // Averages vertically first, then horizontally, so that each traced row is read once and in
+            // memory order.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);

@@ -119,7 +119,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // Narrower than wanted, because the next estimate may differ from the expected one.
+    // Aims for a narrower confidence interval than wanted, because the next estimate may differ from the
+    // expected one.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -147,7 +148,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
 /// - sum (layer_sums): 0.05 to 0.3 us
 /// - pixel of a view: 0.1 to 0.4 us
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Time that `layers` takes for a record and for a sum, divided by that of one pixel of a view.
+    // Time that the method `layers` takes per surface sample and per addition to a pixel, as multiples of the
+    // time for one reprojected pixel. Measured.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -210,8 +212,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // `layers` shows a single instant, so it needs no shutter. Only rays measure the error of its image, so
-    // it needs a scene.
+    // The method `layers` shows a single instant, so it cannot be used with a shutter. Only rays can measure
+    // its error, so it needs a scene.
     std::optional<Image> layers;
     if (whole.scene != nullptr && !whole.shutter) {
         (void)checked_camera(frame.file().header(), *whole.scene);
@@ -236,8 +238,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
-            // More views do not reduce the error of the records. If it exceeds a quarter of the target error,
-            // rays replace all samples of the tiles where it is largest.
+            // More lens points do not reduce errors of the sample file. If these exceed a quarter of the
+            // target error, rays replace all samples in the worst tiles.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -251,8 +253,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views do not reduce the error of the highlights. If it exceeds twice the target, the noise
-            // need only be a quarter of it. `doubled_for` halves its argument.
+            // More lens points do not reduce the error of highlights. If it exceeds twice the target, noise
+            // of a quarter of it suffices; `doubled_for` halves its argument.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -260,8 +262,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, selecting tiles by their inaccurate errors makes the stated interval too
-            // narrow. The first step therefore doubles the views of all tiles with an error.
+            // The first time, doubles the lens points of all tiles with an error. With few lens points,
+            // selecting tiles by their inaccurate errors would make the stated interval too narrow.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

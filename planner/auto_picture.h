@@ -16,7 +16,7 @@ inline constexpr double default_target_db = 40;
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
     /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If set,
-    /// the warning `unsure` reports without a scene that AutoResult::bound_mse misses it.
+    /// but no scene is given, a warning tells if AutoResult::bound_mse misses it.
     std::optional<double> target_db;
 };
 
@@ -24,8 +24,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured squared error of the tile's sRGB values, mean over pixels and channels. It includes the share
-    /// of the image by `layers`, but not the error of the records.
+    /// Measured squared error of the tile's sRGB values, mean over pixels and channels. Errors that the
+    /// sample file causes do not count.
     double noise_mse = 0;
 };
 
@@ -35,12 +35,13 @@ struct AutoResult {
     std::vector<AutoTile> tiles;
     double mean_views = 0;
     double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
-    /// Share of the view samples (pixels of single views) whose colours the records do not determine. Set
-    /// only without a scene.
+    /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
+    /// determine. Set only without a scene.
     double unsure_share = 0;
     /// Set only without a scene, when the error is not measured:
-    /// - `noise_mse`: measured noise of the views
-    /// - `bound_mse`: upper bound of the error due to this noise and the unsure view samples
+    /// - `noise_mse`: measured noise due to the number of lens points
+    /// - `bound_mse`: upper bound of the error due to this noise and to pixels that the sample file does not
+    ///   determine
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

@@ -82,8 +82,8 @@ class BeyondMargin {
     }
 
   private:
-    /// Returns the share of a disc beyond a straight line, whose distance from the disc's centre is
-    /// `distance_px`.
+    /// Returns the fraction of a disc's area that lies beyond a straight line at `distance_px` from the
+    /// disc's centre.
     static double outside(double distance_px, double radius_px) {
         if (radius_px <= distance_px) return 0;
         const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
@@ -149,8 +149,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // A light field from the same records determines correctly which surfaces hide others, and how they move.
-    // Errors that it does not have are due to the image's method.
+    // An image reprojected from the same samples has correct occlusion and motion. Errors that it does not
+    // have are due to the method of the tested image.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -186,7 +186,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing again is expensive, so it is only done if much of the error is unexplained.
+    // Traces the scene again only if much of the error is unexplained, because this is expensive.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -223,18 +223,18 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of further instants add surfaces that rotate into view, and new colours of known
+            // Samples at further instants add surfaces that rotate into view, and new colours of known
             // surfaces. If almost all light was already recorded, the new colours have corrected the pixel.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // An unrecorded surface is assumed to differ from its surroundings by the local contrast. The
-            // mean contrast of the image is the lower limit.
+            // Assumption: an unrecorded surface differs from its surroundings by the local contrast, but at
+            // least by the mean contrast of the image.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // Light from beyond the overscan (pixels traced outside the image) is subtracted, because it
-            // belongs to another cause, frame_edge.
+            // Subtracts light from beyond the traced area, because it belongs to another cause of error,
+            // frame_edge.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

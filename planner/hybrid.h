@@ -19,34 +19,37 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the exposure. With `shutter`, every pixel is computed as a light field, without the
-    /// method `scatter`.
+    /// Motion during the exposure. If `shutter` is set, the image is averaged over lens points and instants
+    /// everywhere, and the method `scatter` is not used.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene from which the file was traced. Rays into it replace samples whose colours the records do
-    /// not determine. If null, no rays are traced.
+    /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
+    /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects, in each half of the views, the samples of a pixel that are compared with rays
+    /// Selects, in each half of the lens points, those from which a pixel is compared with rays
     /// (FieldViews::checked). Only used with a scene. HybridResult::stated then stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Share of the pixels of the image or crop that `scatter` makes. Set only without a scene.
+    /// Fraction of the pixels of the image or crop that the method `scatter` computed. Set only without a
+    /// scene.
     double scattered_share = 0;
-    /// Share of the pixels of the image or crop whose records do not suffice: much light is missing, or
-    /// reprojected to wrong positions. Set only without a scene.
+    /// Fraction of the pixels of the image or crop that need a new trace: much of their light is not in the
+    /// file, or reprojected to wrong positions. Set only without a scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
-    /// Values for each pixel of the whole image, as in FieldFocus: the share of views whose samples are rays,
-    /// and comparisons of rays with records. Set only with a scene.
+    /// Set only with a scene, for each pixel of the whole image:
+    /// - `traced`: fraction of lens points for which a ray replaces the sample
+    /// - `checks`: comparisons of rays with samples of the file
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
-    /// How each pixel of the whole image was made: 0 by the light field, 1 by scattering, 2 mostly by rays.
+    /// How each pixel of the whole image was computed: 0 as a mean over lens points, 1 by the method
+    /// `scatter`, 2 mostly by rays.
     std::vector<std::uint8_t> what;
 };
 

@@ -10,7 +10,7 @@ namespace postlens {
 
 /// Squared errors of a tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
-    /// Error relative to a light field of infinitely many views from the same records.
+    /// Squared error relative to a light field with infinitely many lens points, from the same sample file.
     double method_mse = 0;
     double bound_mse = 0;  ///< bound of the error caused by view samples that the records do not determine
 };
@@ -18,7 +18,8 @@ struct PredictedTile {
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// PSNR of the image or crop, relative to a light field of infinitely many views from the same records.
+    /// PSNR of the image or crop, relative to a light field with infinitely many lens points from the same
+    /// sample file.
     double predicted_db = 0;
     double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine

@@ -74,7 +74,8 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    // By chance, `views_mse` may be too small or negative. It is set to at least its own standard deviation.
+    // By chance, the estimated error may be too small or negative. It is set to at least its own standard
+    // deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();
@@ -86,7 +87,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The weights do not change the error of the records, so its variance is ignored.
+    // Ignores the error of the sample file, because it does not depend on the weights of the two images.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -94,8 +95,8 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // `price`, the weight of the variance in weight_of, is 0 in the first step and small in the second. It
-    // then doubles in each step.
+    // `price` states how much the variance of the error counts when weights are chosen. It is 0 in the first
+    // step, small in the second, and then doubles.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

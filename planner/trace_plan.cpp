@@ -40,7 +40,7 @@ using ByLevel = std::array<double, most_levels + 1>;
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, including the overscan
-    /// Squared error of each tile at each level of subdivision, summed over its pixels.
+    /// For each tile, its squared error at each level of quadtree subdivision, summed over its pixels.
     std::vector<ByLevel> tiles;
     TileGrid grid;                                ///< tiles of the trace's image
     double samples = 0, records = 0, hidden = 0;  ///< numbers of samples, visible records and hidden records
@@ -155,7 +155,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // The records may cause half of the squared error that the target allows, the views the other half.
+    // The sample file may cause half of the squared error that the target allows. The noise due to the number
+    // of lens points may cause the other half.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -174,7 +175,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Area of the planned trace with its overscan, in px. The overscan is that of the preview, whose pixels
+    // Area, in px, of the planned trace with its overscan. Pixels of the preview, which gives the overscan,
     // are `coarser` times as wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
@@ -183,8 +184,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Hidden surfaces are recorded up to reach_px + margin_px from an edge. The preview's margin is `coarser`
-    // times as wide, so its number of hidden records is scaled down.
+    // Hidden surfaces are traced up to reach_px + margin_px from an edge. In the preview, the margin is
+    // `coarser` times as wide, so the count is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -192,8 +193,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // Hidden surfaces are not recorded if all CoC diameters differ by less than half a pixel. The largest
-        // difference, from the nearest surface to infinity, is 2 reach_px.
+        // Hidden surfaces are not needed if all CoC diameters differ by less than half a pixel. The largest
+        // difference, between the nearest surface and infinity, is 2 reach_px.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

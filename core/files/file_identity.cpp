@@ -9,8 +9,8 @@
 namespace postlens {
 
 std::string file_identity(const std::filesystem::path& path) {
-    // The device and inode numbers identify a file. std::filesystem::equivalent compares only two paths at a
-    // time.
+    // Device and inode numbers identify a file, whatever its path. std::filesystem::equivalent can only
+    // compare two paths.
     struct stat there {};
     if (::stat(path.c_str(), &there) == 0) return fmt::format("{}:{}", there.st_dev, there.st_ino);
     std::error_code error;

@@ -62,7 +62,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // EINVAL and ENOTSUP are not failures: the file system does not support fsync.
+    // EINVAL and ENOTSUP are not failures: they mean that the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -80,15 +80,17 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              target_.string());
     }
     if (fs::exists(status)) {
-        // commit() would replace a device such as /dev/null with an ordinary file.
+        // The finished file is renamed to the target, which would replace a device such as /dev/null by an
+        // ordinary file.
         if (!fs::is_regular_file(status)) {
             fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
                  target_.string());
         }
-        // A rename succeeds even if the target is write-protected, so this is checked here.
+        // The finished file is renamed to the target. This succeeds even if the target is write-protected, so
+        // write permission is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // Follows symbolic links to the file to write, which need not exist yet.
+    // Follows symbolic links to the file that is written. It need not exist yet.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);
@@ -103,8 +105,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The temporary name keeps the extension, because image writers choose the format by it. `number`
-    // distinguishes files of one process, and of containers with the same process id.
+    // Name of the temporary file. It keeps the extension, by which image writers choose the format. `number`
+    // separates files of one process, and of containers with equal process ids.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -143,7 +145,7 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Flushing the folder makes the new name survive a power failure. Errors are ignored, because the file is
+    // Flushes the folder, so that the new name survives a power failure. Ignores errors: the file is
     // complete, and folders may be unreadable.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }

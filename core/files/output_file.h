@@ -24,15 +24,15 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Path of the temporary file, which exists, is empty, and belongs to this object only. It has the
-    /// extension of the target, by which image writers choose the format.
+    /// Path of the temporary file. It exists, is empty at first, and has the extension of the target, by
+    /// which image writers choose the format.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
     /// Writes the whole contents of the file. Call `commit()` afterwards. Throws Error(cannot_write).
     void write(std::string_view bytes);
 
-    /// Flushes the file to disk and renames it to the target. Call it only once. On failure, throws
+    /// Flushes the temporary file to disk and renames it to the target. Call it only once. On failure, throws
     /// Error(cannot_write) and keeps an older target.
     void commit();
 

@@ -76,8 +76,6 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // The last (farthest) sample represents the pixel, because the estimated surface lies behind
-                // it.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -107,15 +105,14 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks, in `fills_`, translucent pixels behind which blur reveals only empty space. The search treats
-    /// them as opaque, and other translucent pixels as empty space.
+    /// Finds translucent pixels behind which blur reveals only empty space, and marks them in `fills_`. They
+    /// are treated as opaque.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                // For a stack of one sample, `opaque_` was already computed from the transmittance.
                 if (last.is_nothing() || (opaque_[i] != 0 && p_.stack_of(i).size() == 1) ||
                     transmittance_behind(p_.stack_of(i), p_.is_nothing_behind(i)) <= opaque_transmittance)
                     continue;
@@ -144,8 +141,8 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // The depths and the id come from the nearest surface. The colour is the mean of all surfaces at
-        // about this depth.
+        // The depth and the object come from the nearest surface found. The colour is the mean of all
+        // surfaces found at about its depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -188,8 +185,9 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until it returns
-    /// true. Ends where no CoC can touch the first pixel's CoC, of radius `blur_px`.
+    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel on the way, until
+    /// it returns true. Ends where no circle of confusion can touch that of the first pixel, whose radius is
+    /// `blur_px`.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -207,13 +205,10 @@ class BehindSearch::Impl {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
     }
-    /// Returns the largest distance, in px, at which a CoC of the radius `blur_px` may touch another CoC.
     [[nodiscard]] float limit_of(float blur_px) const {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
 
-    /// Returns whether, in direction `d`, there is a farther surface whose CoC touches that of the pixel (x,
-    /// y). Empty space is not a surface.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, const Radii& own) const {
         bool found = false;
         Radii before = own;
@@ -255,11 +250,10 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Sets `steps` to the distance from each pixel to the next depth edge in direction `d`, or to 0 if there
-    /// is none. At a depth edge, the next pixel is farther away.
+    /// Sets `steps` to the distance in pixels from each pixel to the next depth edge in direction `d`, or to
+    /// 0 if there is none. Beyond a depth edge, the surface is farther away.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
-        // Only pixels in the columns [first, end) have a stored column next to them in direction `d`.
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
             // The neighbour in direction `d` is visited before the pixel itself.
@@ -284,10 +278,6 @@ class BehindSearch::Impl {
             }
         }
     }
-    /// Computes `steps` (distances to the next depth edge) for `count` adjacent pixels.
-    /// - `here`: index of the first pixel
-    /// - `next`: index of its neighbour in the direction of the search
-    /// - `backwards`: whether the last pixel is computed first
     template <typename IsFarther>
     static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
                             std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
@@ -305,7 +295,6 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether a depth edge is so near to a pixel that blur may reveal a farther surface there.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;
@@ -314,8 +303,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that lies behind the pixel (x, y) and may be revealed by
-    /// blur. If there is none, the distance is 0.
+    /// Returns the first surface in a direction that is farther than the pixel (x, y) and that blur may
+    /// reveal. If there is none, the result has the distance 0.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -343,8 +332,8 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Moves the surfaces of the object with the largest weight to the front of `finds`. Returns their
-    /// number. Otherwise, a small emitter beside an edge would colour everything behind it.
+    /// Keeps only the surfaces of the object with the largest weight, and returns their number. Otherwise, a
+    /// small light source beside an edge would colour everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -451,7 +440,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Pixels outside `known` do not count as empty, because their content is unknown.
+    // Only known pixels can count as empty, because the content of all others is unknown.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
@@ -482,8 +471,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The CoC is centred on the pixel, which adds half a pixel. Rounded depths may enlarge its radius
-            // by a quarter of a pixel.
+            // The blur reaches 0.75 px farther than the CoC radius. 0.5 px are half the pixel's width, and
+            // rounding of depths may enlarge the radius by 0.25 px.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

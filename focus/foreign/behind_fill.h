@@ -43,10 +43,10 @@ struct Behind {
 /// largest sum of weights counts.
 class BehindSearch {
   public:
-    /// Both `picture` and `geometry` must outlive the search. `aberration_px` is how far spherical aberration
-    /// spreads light beyond the CoC radius.
+    /// Keeps references to `picture` and `geometry`. `aberration_px` is how far spherical aberration spreads
+    /// light beyond the CoC radius.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
-    /// Sets `out` to the estimated surfaces behind row `y` of the picture. Several threads may call this
+    /// Sets `out` to the estimated surface behind each pixel of row `y`. Several threads may call this
     /// function at the same time.
     void row(int y, std::vector<Behind>& out) const;
 

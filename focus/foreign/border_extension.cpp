@@ -94,7 +94,8 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner of the picture, a sample must be continued far enough both horizontally and vertically.
+    // Beyond a corner of the image, a sample is used only if it extends far enough both horizontally and
+    // vertically.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

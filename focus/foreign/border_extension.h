@@ -20,21 +20,21 @@ class BorderExtension {
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
     BorderExtension(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px);
 
-    /// The window that contains the raster, the stored pixels and all continued samples.
+    /// The window that contains the image and all samples that continue its surfaces beyond its border.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to the samples that are continued into the pixel (x, y), outside all known pixels.
-    /// Returns the index of their stored pixel, if any.
+    /// Sets `stack` to samples that continue the image's surfaces into the pixel (x, y), outside the image.
+    /// Returns the index of the border pixel from which they come, if any.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the border, and the distance to which it is continued. Its colour and alpha are means over
-    /// its surface.
+    /// A sample at the image border, and how far beyond the border it is repeated. Its colour and alpha are
+    /// means over its surface.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples of each pixel along one side, nearest first. The list is empty if the raster, which is
-    /// empty space there, extends beyond the stored pixels.
+    /// For each pixel along one side of the image, its samples, nearest first. Empty if the raster extends
+    /// beyond the stored pixels there, because then empty space follows.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

@@ -10,11 +10,13 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Objects that hide the surfaces behind them, but add neither colour nor alpha. Their edges are sharp.
+    /// Objects that hide what is behind them, but add neither colour nor alpha to the image. Their edges are
+    /// sharp.
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
-    /// An object that is blurred as if it were `metres` farther away. Occlusion still uses its true depth.
+    /// An object that is blurred as if it were `metres` farther away. What it hides still depends on its true
+    /// depth.
     struct Offset {
         ObjectChoice object;
         double metres = 0;

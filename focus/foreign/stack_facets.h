@@ -35,8 +35,8 @@ struct Facet {
 /// beyond the border. Neighbours of one surface have the same depth at common corners.
 class Facets {
   public:
-    /// `behind` has the estimated surface behind each pixel of `p`, or is empty. `border` must have been
-    /// computed from `p`.
+    /// `behind` is the estimated surface behind each pixel of the image `p`, or is empty. `border` must have
+    /// been computed from `p`.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 
@@ -47,22 +47,16 @@ class Facets {
     }
     [[nodiscard]] std::uint64_t first_of(std::size_t pixel) const { return offsets_[pixel]; }
     [[nodiscard]] const Facet& facet(std::uint64_t number) const { return facets_[number]; }
-    /// Smallest and largest inverse depth in a row of pixels. They are infinity and -infinity if the row has
-    /// no sample.
+    /// Smallest and largest inverse depth in a row of pixels, in 1/m. They are infinity and -infinity if the
+    /// row has no samples.
     [[nodiscard]] const std::pair<float, float>& range(int row) const {
         return ranges_[static_cast<std::size_t>(row)];
     }
 
   private:
-    /// Adds a sample as a quadrilateral.
-    /// - `number`: identifies the pixel; determines Facet::seed
-    /// - `beyond`: whether the pixel lies beyond the border of the picture
     void add(std::size_t number, const StackSample& s, bool beyond);
-    /// Returns the sample in pixel (x, y) that belongs to the same surface as `f`, or null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
-    /// Sets each corner depth of `f` to the mean depth of the samples of its surface that meet there. Several
-    /// threads may call this function.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

@@ -67,8 +67,8 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 /// its alpha (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
-    // Compare alpha with a van der Corput sequence over the views, scrambled with the facet's seed. Facets
-    // behind each other are thus opaque independently.
+    // A sample is opaque from this lens point if its alpha exceeds a pseudo-random number (scrambled van der
+    // Corput sequence). Samples behind each other are opaque independently.
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
     const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
     return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
@@ -77,7 +77,7 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` is 1 for each pixel of the window that has empty space behind its samples, else 0.
+    /// `nothing` has one value per pixel: 1 if empty space lies behind the pixel's samples, else 0.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -114,8 +114,8 @@ class Band {
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
-            // Views that the lens blocks (vignetting) add black, so colours are means over all views. Alpha
-            // is coverage, so it is the mean over the views that are not blocked.
+            // Vignetting blackens colours, so they are averaged over all lens points. It must not make a
+            // pixel translucent, so alpha is averaged over unblocked lens points.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;
@@ -130,8 +130,6 @@ class Band {
     }
 
   private:
-    /// Position of a quadrilateral in the depth order. At equal depth, the one nearer to the front of its
-    /// pixel's stack comes first.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -151,7 +149,6 @@ class Band {
         Depth depth;
     };
 
-    /// Converts the index of a pixel in this band to its index in the window.
     [[nodiscard]] std::size_t in_window(std::size_t i) const {
         const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                   y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -159,7 +156,6 @@ class Band {
                static_cast<std::size_t>(x - s_.window.x_begin);
     }
 
-    /// Returns whether a view may reproject samples of a row of pixels into this band.
     [[nodiscard]] bool reaches(const View& v, int row) const {
         const auto& [least, most] = facets_.range(row);
         if (!(least <= most)) return false;
@@ -171,8 +167,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the sample points of a view that lie inside a quadrilateral. Sample points have integer
-    /// coordinates in the view, one per pixel.
+    /// Finds the pixels that a quadrilateral covers when it is seen from one lens point. Pixels are sampled
+    /// at integer coordinates.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -199,13 +195,13 @@ class Band {
         }
     }
 
-    /// Returns whether a point lies in one of the two triangles of the quadrilateral, which may have either
-    /// orientation. Points on the sides count as inside, to avoid cracks.
+    /// Returns whether a point lies in one of the two triangles of a quadrilateral with either orientation.
+    /// Points on the sides count as inside, to avoid cracks.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // A common side begins at the same corner in both quadrilaterals. They thus compute exactly the
-            // same value, which avoids cracks.
+            // Neighbouring quadrilaterals list the corners of their common side in the same order. They
+            // therefore compute exactly the same value, which avoids cracks.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -222,8 +218,8 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the premultiplied colours of the nearest opaque quadrilateral and of those in front of it. On
-    /// average, the sum equals compositing with "over".
+    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of those in
+    /// front of it. The mean over all lens points equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -241,8 +237,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // A pixel is unknown if it has no opaque quadrilateral, or if the nearest one lies beyond the image's
-        // border.
+        // Counts, for each pixel, the lens points that see no opaque sample of the picture: nothing at all,
+        // or only samples continued beyond the image border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
@@ -260,8 +256,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Tests, for each pixel, whether the lens transmits the view's light or blocks it (vignetting). This
-    /// depends on where the view's ray crosses the plane in focus.
+    /// Tests, for each pixel, whether the lens blocks the light through this lens point (vignetting). The
+    /// result depends on where the ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,

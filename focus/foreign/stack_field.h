@@ -37,14 +37,14 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// The mean of the views, with premultiplied colours and alpha. Alpha is a random estimate, so it may
+    /// The image of the lens, with premultiplied colours and alpha. Alpha is a random estimate, so it may
     /// exceed 1.
     Image image;
-    /// Fraction of views that look past the image's border, or past all samples, at each pixel of the window.
-    /// Views that see empty space do not count.
+    /// For each pixel, the fraction of lens points that see past the image border or past all samples. Lens
+    /// points that see empty space do not count.
     std::vector<float> unseen;
-    /// Mean alpha of each pixel of the window over the views that the lens transmits, including holdouts. It
-    /// is at least 1 if there is empty space behind the samples.
+    /// Mean alpha of each pixel over the unblocked lens points, including holdout objects. It is at least 1
+    /// where empty space lies behind the samples.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

@@ -34,16 +34,17 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // `seen` is the share of the sample's light that the pinhole sees, `hidden` the share behind other
-    // surfaces. No lens point sees light that the same surface hides.
+    // `seen` is the fraction of the sample's light that the pinhole sees. `hidden` is the fraction that other
+    // surfaces hide.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered` is the part of `hidden` that no lens point sees, because the surface in front moves with this
-    // one. `apart` is 1 for surfaces that move independently, otherwise less.
+    // Computes the part of `hidden` that stays hidden from every lens point, because the surface in front
+    // moves together with the sample when the lens point moves.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point, so it does not move together with a surface.
+        // Empty space never moves together with a surface in front, because it looks the same from every lens
+        // point.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

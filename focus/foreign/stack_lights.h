@@ -26,14 +26,15 @@ class StackLights {
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts the samples of a pixel in column `x` and appends the light to `out`.
+    /// Converts the samples of a pixel in column `x` to light and appends it to `out`.
     /// - `fills`: whether the last sample counts as opaque, because only empty space lies behind it
-    /// - `open`: the stack's transmittance_behind
-    /// - `behind`: the estimated surface behind the stack, or null
+    /// - `open`: transmittance of all samples together (transmittance_behind)
+    /// - `behind`: the estimated surface behind the samples, or null
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples of
+    /// similar radii form one surface.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -44,7 +45,7 @@ class StackLights {
     };
     /// Two inverse depths of a sample, in 1/m. They differ if an effect changes an object's blur.
     /// - `order`: depth for compositing
-    /// - `spread`: depth for the CoC
+    /// - `spread`: depth for the circle of confusion
     struct Depths {
         double order = 0, spread = 0;
     };

@@ -32,7 +32,8 @@ SurfaceLight light_of(const LayerTerm* term) {
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
-    // The radiance is assumed to pass through the same lens points as the surface's own light.
+    // Assumption: the reflected or transmitted light passes through the same lens points as the surface's own
+    // light.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
@@ -124,7 +125,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longer paths are resolved first, because the shorter paths that they continue include their radiance.
+    // Starts with the longest sequences of reflections, because the radiance of a shorter one includes that
+    // of its continuations.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

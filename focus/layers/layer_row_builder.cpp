@@ -52,8 +52,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, which
-    // coarser steps would visibly blur.
+    // Only uniform discs may be moved to coarse subpixel positions. Other impulse responses may have a bright
+    // core, whose displacement would be visible.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -64,8 +64,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        // A disc much smaller than a pixel has the same kernel everywhere inside the pixel: that of the
-        // pixel's middle.
+        // A disc much smaller than a pixel lies inside the pixel wherever its centre is. All such discs share
+        // the kernel of the pixel's middle.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -83,7 +83,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Fibonacci hashing. A splat that finds a different one in its slot is not merged.
+        // Merges samples of a pixel that have the same surface and blur kernel, with a small hash table
+        // (Fibonacci hashing). If the table's slot is taken, they stay separate.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -117,8 +118,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Sum the radiance of each node and its descendants. Parents come before their children in the list, so
-    // backward order completes a child's sum before its parent's.
+    // Adds the radiance of each surface point to its parent's, for example that of a mirror image to the
+    // mirror's. The list has parents first, so it is traversed backwards.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -172,7 +173,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // The largest CoC counts only directly visible surfaces at a finite depth.
+        // The reported largest CoC is that of a directly visible surface at a finite depth. Empty space, at
+        // an inverse depth of 0, does not count.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);

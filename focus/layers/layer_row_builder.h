@@ -30,13 +30,13 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The records of one layer of a point sample at (x, y). The pinhole sees layer 0; other layers are
-    /// hidden.
+    /// The samples of one depth layer of the eye ray through (x, y). The pinhole sees layer 0; all other
+    /// layers are hidden.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
     };
-    /// A node (hit surface point) of the current eye ray's shading tree, with the data for its child nodes.
+    /// A surface point that the current eye ray hits, directly or by reflections and refractions.
     struct Met {
         const Record* node = nullptr;
         NodeResponse response;
@@ -50,14 +50,12 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// Returns the node of the current shading tree with this path (sequence of reflections and
-    /// transmissions), or null.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the node whose kernel blurs the outline of the node `from`. For the far side of a glass
-    /// object, this is the near side; otherwise it is `from`.
+    /// Returns the surface point whose blur kernel also blurs the outline of `from`: for the back of a glass
+    /// object, its front, otherwise `from` itself.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path to the node `met`: the share of the parent node `from` that shows it. It is
-    /// blurred like the parent.
+    /// Adds the outline within which `from`, for example a mirror, shows the surface point `met`. It is
+    /// blurred like the mirror.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -76,7 +76,6 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows are added from top to bottom, so tiles above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -234,8 +233,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows that are not read again contribute only splats that reach far from their row. These were kept when
-    // the rows were first read.
+    // Rows that are not read again matter only through samples with a large blur, which were kept when the
+    // rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

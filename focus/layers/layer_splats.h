@@ -43,8 +43,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface seen along the path or, for a mask, the surface that shows the path. It may be empty for
-    /// masks.
+    /// The surface that appears in the reflection or transmission. For a mask (outline within which a mirror
+    /// image is visible), the surface that shows it, or empty.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -58,11 +58,11 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Converts positions in the kernel to lens points. Light that arrives d px from the anchor (x, y)
-    /// passed, on average, through d * lens_per_px, in lens radii.
+    /// Light that arrives d px from the centre (x, y) of the blur kernel passed, on average, through the lens
+    /// point d * lens_per_px, in lens radii.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees. A surface in front, which moves together with this one
-    /// over the lens, hides it (Fragment::covered).
+    /// The part of `weight` that no lens point sees, because the surface in front moves together with this
+    /// sample when the lens point moves.
     float covered = 0;
 };
 
@@ -102,15 +102,16 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their records and, if any, those
-    /// of the rows above and below. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their samples and those of the
+    /// rows directly above and below, if any. Throws Error(invalid_input) if a pixel's quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. `rows` may already contain the point samples.
+    /// Adds rows of pixel corners. If `rows` already contains the point samples (eye rays), they are not
+    /// computed again.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
-    /// add_pixels. `known` is the window of the corners of the image's pixels.
+    /// add_pixels. `known` is the window of the image's pixel corners.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -118,11 +119,11 @@ class LayerSplats {
     }
     /// Adds row y of another program's image. Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Builds the kernels and sorts the splats. Call it after the last row.
+    /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Prepares an image that is made in strips (groups of rows), to save memory. Call it before the first
-    /// row is added. Each strip then adds its rows again.
+    /// Prepares for an image that is computed in groups of rows to save memory. Call it before the first row
+    /// is added; every group then adds its rows again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -146,11 +147,11 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Distance of samples from their anchors (integer raster positions), in px, along each axis. It is 0.5
-    /// for images of other programs, otherwise 0.
+    /// Samples of other programs' images lie at pixel centres, 0.5 px right of and below the integer raster
+    /// position. Otherwise returns 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
-    /// Returns the range of the recorded colours, to which images are clamped.
+    /// Returns the range of the colours in the file, to which the result is clamped.
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
 
   private:
@@ -167,7 +168,6 @@ class LayerSplats {
         double largest_radius_px = 0;
         RadianceRange colours;
     };
-    /// A run (splats of one part in one row of a tile), with its part and its tile.
     struct PlacedRun;
     void sort_row(std::size_t index, std::vector<PlacedRun>& runs);
     std::vector<LayerCell> join(std::size_t tile_row);
@@ -176,7 +176,6 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    /// Stores the splats of `made` in rows_, except those that the current strip does not need.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

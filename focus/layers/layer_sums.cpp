@@ -172,8 +172,6 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
         convolve<Values>(values, taps, x + row.x_begin, y, 0, width, sums);
         return;
     }
-    // Inside the uniform part of the row, the differences between neighbouring pixels are 0. Only its two
-    // edges are added.
     int from = 0;
     if (x + row.x_begin < 0) {
         Values sum{};

@@ -16,24 +16,25 @@ namespace postlens {
 /// length of its kernel's outline.
 class LayerSums {
   public:
-    /// Values per pixel without and with lens moments. Eight values fill one AVX-512 register.
+    /// Number of values per pixel: 8, or 12 if it matters through which side of the lens light passes. Eight
+    /// values fill one AVX-512 register.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets the sums of the pixels of `rows` to 0. `with_lens` adds lens moments. Samples lie
-    /// `from_anchor_px` right of and below their anchors (integer raster positions).
+    /// Clears the sums of the pixels in `rows`.
+    /// - `with_lens`: whether to record through which side of the lens light passes
+    /// - `from_anchor_px`: 0.5 if samples lie at pixel centres, 0 if at integer raster positions
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
-    /// Adds splats of one row of samples, with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Completes the sums. Call it after the last splat and before reading the sums.
+    /// Completes the sums. Call it after the last `add` and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
-    /// Returns the sums of red, green, blue and weight at a pixel.
+    /// Returns the sums of red, green, blue and weight at a pixel, as four values.
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns the lens moments of the sums that `at` returns: each term times the lens point, in lens radii,
-    /// through which its light passed.
+    /// Returns the sums of `at`, multiplied by the lens point (in lens radii) through which the light passed.
+    /// They show which side of the lens sends more light.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:
@@ -47,10 +48,10 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;  ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = plain_values;
-    /// Values of each pixel. C is red + green + blue, C' and W' are C and the weight times
-    /// LayerSplat::lens_per_px, and (x, y) is the splat's position in rows_:
-    /// - red, green, blue, weight, depth, covered weight, C', W'
-    /// - with lens moments also C' x, W' x, C' y, W' y
+    /// Values of each pixel: red, green, blue, weight, depth, covered weight, C', W'; if lens points matter,
+    /// also C' x, W' x, C' y, W' y.
+    /// C' and W' are red + green + blue and the weight, times LayerSplat::lens_per_px. (x, y) is the sample's
+    /// position.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

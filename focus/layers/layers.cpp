@@ -26,7 +26,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // `open` is the share of the lens that transmits light to this pixel (vignetting). A surface that fills
+    // `open` is the fraction of the lens that sends light to this pixel (vignetting). A surface that fills
     // the pixel has the weight `open`, which is scaled to 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
@@ -38,8 +38,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Colours are clamped to the range of the recorded colours. Rounding and the linear approximation
-        // over the lens may exceed it.
+        // Clamps the colour to the range of the colours in the file, which rounding errors and the linear
+        // approximation of occlusion may exceed.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }

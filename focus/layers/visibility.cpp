@@ -24,10 +24,12 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of some light that is transmitted, from 0 to 1. `sum` is the amount of light,
-    /// `moment` the sum of light times its lens point.
+    /// Returns the fraction of a surface's light that passes the surfaces in front, from 0 to 1.
+    /// - `sum`: amount of light
+    /// - `moment`: sum of light times the lens point that it passes through
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // For linear functions S and E, the mean of S(q) E(q) over the lens is s e + 4 s_q . e_q.
+        // Mean over the lens of light S times transmittance E, which are linear functions of the lens point:
+        // s e + 4 s_q . e_q, with the means s, e and the slopes s_q, e_q.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -57,8 +59,8 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Of surfaces in one plane, the one with the smaller alpha comes first. Otherwise, rounding errors could
-    // let a wall hide an emitter on the wall.
+    // Of several surfaces in one plane, the one with the smallest alpha comes first. Otherwise, rounding
+    // errors could let a wall hide a lamp on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -89,8 +91,8 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Lens moment of light times transmittance. Both are linear functions of the lens point, and the
-        // quadratic term is omitted.
+        // Mean of alpha times transmittance times lens point. Alpha and transmittance are linear functions of
+        // the lens point; their quadratic term is omitted.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
@@ -100,7 +102,8 @@ struct Arrived {
 /// `radius_px` is the signed CoC radius of the given surface.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
-    // The search runs towards the lens. All surfaces in front of an independent one are independent, too.
+    // Searches from the nearest surface in front towards the lens. In front of a surface that moves
+    // independently over the lens, all others do, too.
     for (std::size_t i = laid.size(); i-- > 0;) {
         const double apart = independence(radius_px, laid[i].radius_px);
         if (apart >= 1) break;
@@ -127,20 +130,20 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Surfaces that move together with `f` over the lens hide nothing of f.seen, the part that the
-        // pinhole sees. Their coverage is therefore added back to the transmittance.
+        // `f.seen` is light that the pinhole sees. Surfaces in front that move with `f` never hide it, so
+        // what they cover is added back.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface covers at most the uncovered share of the lens. It covers at least its own alpha minus
-        // the coverage in front (or f.covered, if larger).
+        // The surface covers at most what is uncovered so far. It covers at least its own alpha, minus what
+        // surfaces in front cover.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // A reduced alpha reduces the light in the same ratio. An increased alpha restores hidden light.
-        // Scaling up the remaining light could make a pixel arbitrarily bright.
+        // If alpha is increased, hidden light is added. Scaling up the visible light instead could make a
+        // pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -150,8 +153,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limit the lens moment of the transmittance. The moment of an uncovered part with the area A, as a
-        // fraction of the lens, is at most A (1 - A).
+        // Limits how unevenly the uncovered part can lie on the lens. A part of the area A (fraction of the
+        // lens) has a first moment of at most A (1 - A).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

@@ -50,7 +50,8 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns the motion on the raster between two instants, for each class.
+    /// Returns how surface points move on the raster between two instants: first the map of objects without
+    /// own motion, then one map per moving object.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -147,13 +148,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A mirror and its reflection move differently on the raster. With a negative follow_px, they are drawn
-    // separately.
+    // A mirror and the image in it move differently if the camera or objects move. A negative follow_px lets
+    // them be reprojected separately.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // If something moves, views instead of impulse responses show reflections in moving objects, and large
-    // highlights on moving surfaces.
+    // On moving objects, only small highlights that are seen directly are spread by blur kernels. All others
+    // there are reprojected like ordinary samples.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -178,8 +179,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, highlights can be selected only if all surfaces are in memory (leave_to_lens). Here they
-        // are read strip by strip.
+        // Rays need all highlights' surfaces in memory. Here surfaces are read a few rows at a time to save
+        // memory, so highlights are not treated separately.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -275,8 +276,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // The strips (groups of rows) may contain highlights. Any surface that a lens point sees may hide
-        // them, so all these surfaces are needed.
+        // A highlight may be hidden by any surface that some lens point sees. So surfaces within the range of
+        // the whole lens are kept.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
@@ -292,8 +293,6 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Highlights and rays need all surfaces that any lens point sees. With rays, the number of
-        // reflections decides how a piece (square of the image) is drawn.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

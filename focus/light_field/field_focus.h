@@ -35,18 +35,18 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels are left out where `scatter` is exact: nothing moves, and all views see one surface.
-    /// Their share of the image must be at least this.
+    /// If set, pixels are left out where the method `scatter` is exact: nothing moves, and all lens points
+    /// see the same surface. They must make up at least this share of the image.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
-    /// The pixels of the window to draw; all other pixels are undefined. They are bit-identical to those of
-    /// the whole image.
+    /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are
+    /// bit-identical to those of the whole image.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit for the surfaces, in bytes. Above it, the image is drawn in strips (groups of rows), with
-    /// bit-identical results.
+    /// Memory limit, in bytes, for the surfaces of the scene. Above it, the image is drawn in groups of rows,
+    /// with bit-identical results.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays where the records do not determine what a view sees. If null, no rays are traced.
+    /// Traces rays where the sample file does not show what a lens point sees. If null, no rays are traced.
     const SightRays* rays = nullptr;
 };
 
@@ -61,16 +61,16 @@ struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether a square piece of the image is drawn. Other pieces are undefined. If the function is
-    /// empty, all pieces are drawn.
+    /// Returns whether to draw this square of the image. All others are undefined. If the function is empty,
+    /// the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
     // The following functions are only used with rays (see PatchViews).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which this set belongs, if several images are drawn together. Sets of one image
-    /// must draw different pieces of it.
+    /// Index of the image to which these lens points contribute, if several images are drawn together. Sets
+    /// of lens points with the same index must draw different squares.
     std::size_t picture = 0;
 };
 
@@ -89,19 +89,21 @@ class FieldFocuser {
     FieldFocuser(FieldFocuser&&) = delete;
     FieldFocuser& operator=(FieldFocuser&&) = delete;
 
-    /// Draws the image of one set of views. The result is bit-identical for any number of threads.
+    /// Draws the image that the lens points of one set see on average. The result is bit-identical for any
+    /// number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws several sets of views together, which is faster than one after the other.
+    /// Draws several sets of lens points together, which is faster than one after the other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
 
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Returns the instant at which the fraction `u` (0 to 1) of the exposure's light has passed the shutter.
+    /// Returns the instant, in s, at which the fraction `u` (0 to 1) of the exposure's light has passed the
+    /// shutter.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image that show a single surface and are left out. Returns nothing if all
-    /// pixels must be drawn. Uses the surfaces of `strips`, if given.
+    /// Finds the parts of the image where all lens points see a single surface, which need not be drawn.
+    /// Returns nothing if all pixels must be drawn.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

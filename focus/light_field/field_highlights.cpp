@@ -108,11 +108,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Views show partly hidden, sharp highlights in a mirror, because an impulse response ignores what
-        // hides them. Few views would hit very small ones.
+        // Sharp, partly hidden highlights in a mirror are reprojected, because an impulse response ignores
+        // what hides them. Very small ones are not: few lens points would hit them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // The views show partly hidden highlights that are sharp. They also show those wider than their blur,
-        // whose parts need different shadows of a nearer surface.
+        // Partly hidden highlights are reprojected if they are sharp or wider than their blur, because a
+        // nearer surface hides each part of a wide highlight differently.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -132,7 +132,6 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, limits, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        // Highlights of one surface are merged if they lie in the same small square.
         const PatchLens lens = patch_lens(geometry);
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         struct Merged {
@@ -237,13 +236,13 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. Views
-    // from the whole lens then decide whether the highlight is visible.
+    // If the blur is as small as a pixel, light reaches the pixel through the whole lens. Points all over the
+    // lens then decide whether the highlight is visible.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A sharp moving highlight is divided at the borders of pixels. Its impulse response would put all its
-    // light into one pixel.
+    // Divides a sharp moving highlight at the borders of pixels, because its blur kernel would otherwise put
+    // all its light into one pixel.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {

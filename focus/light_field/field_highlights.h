@@ -28,33 +28,34 @@ namespace postlens {
 /// other highlights, the views nearest to the lens point decide.
 class FieldHighlights {
   public:
-    /// - `sheets`: the surfaces whose highlights are spread; must outlive this object
+    /// - `sheets`: the surfaces whose highlights are blurred; must outlive this object
     /// - `window`: the pixels of the image
-    /// - `motion`: null if nothing moves
+    /// - `motion`: motion of the highlights; null if nothing moves
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the light of the highlights for one set of views. Keeps a reference to this object.
+    /// Returns the light that the highlights add to the image of one set of lens points. Keeps a reference to
+    /// this object.
     /// - `set`: number of the set, and random seed
-    /// - `instants`: for each view, the fraction of the exposure that has passed; may be empty if nothing
-    ///   moves
+    /// - `instants`: for each lens point, the fraction of the exposure that has passed; may be empty if
+    ///   nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
-    /// (Lights::aim). For sharp moving highlights, they are random lines through the pixel.
+    /// Chooses random rays from the pixel (x, y) through the lens to highlights whose blur reaches the pixel.
+    /// Rays for sharp moving highlights are random within the pixel.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Returns the indices of the sources (merged highlights) whose light may reach a rectangle of the image.
-    /// It must lie within one row of tiles.
+    /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The
+    /// rectangle must lie within one row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// A highlight that is merged with others into a source, which is spread like a point of light.
-    /// - `at`: centre of the square highlight, in px relative to the source
-    /// - `area_until`: total area up to this highlight of the source, in px^2
+    /// A square highlight that is merged with its neighbours into one light source.
+    /// - `at`: centre of the square, in px relative to the light source
+    /// - `area_until`: summed area of the highlights up to this one, in px^2
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -85,29 +86,22 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights whose light reaches a tile (square of the image). Visibility is sampled at
-    /// `samples` positions per pixel, or by the views if it is 0.
+    /// Neighbouring highlights whose blur reaches a tile (square of the image). Their visibility is tested at
+    /// `samples` positions per pixel or, if 0, at the lens points of the image.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
     };
     void group_sources();
-    /// Returns a random point of a source (merged highlights), in image px. `choice` and `place` are random
-    /// numbers in [0, 1).
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
     /// Adds a source that merges the last `parts` highlights of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of pixels within a tile (square of the image), with the visible share of a group of
-    /// highlights in each pixel.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    /// Returns the fraction of a source's light that reaches the pixel (x, y) if no surface hides the source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
-    /// Returns whether the light of a sharp moving source may reach the pixel (x, y). A margin allows for
-    /// errors of the recorded positions.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;

@@ -48,23 +48,24 @@ inline constexpr double most_surface_bytes_of_record = 400;
 class FieldStrips {
   public:
     /// Keeps references to its arguments.
-    /// - `views`: the light field and its views, without surfaces
+    /// - `views`: the lens points of the image, without surfaces
     /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px
-    /// - `motion`: null if no highlight moves
+    /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
     /// Returns the surfaces that reach the raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
+    /// Visits all surfaces of a recorded instant, in several parts and in any order. Only one thread at a
+    /// time calls `visit`.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Divides the window into strips of whole rows of tiles (squares of the image). A strip has at most
-    /// `most_records` records, unless a single row of tiles has more.
+    /// Divides the image into groups of whole rows of tiles, each with at most `most_records` surface
+    /// samples. A single row of tiles may exceed this.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 
   private:
-    /// The raster rows [first, last) in which views may show a surface, initially empty.
+    /// The raster rows [first, last) in which a surface may appear from some lens point. Initially empty.
     struct Reach {
         double first = std::numeric_limits<double>::infinity(), last = -first;
         void include(double from, double to) {
@@ -72,8 +73,8 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces that are kept in memory because views displace them far. `primary` and `deeper` contain the
-    /// raster rows in which views may show each of them.
+    /// Surfaces that some lens point sees many rows away from their recorded position, so they stay in
+    /// memory. `primary` and `deeper` are the rows in which they may appear.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
@@ -87,8 +88,6 @@ class FieldStrips {
         bool known = false;
         std::vector<Row> rows;
     };
-    /// Returns, for each sheet (surface within a square of the raster), the raster rows in which views may
-    /// show it.
     [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
     void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
               std::size_t part, int y, Row& row);

@@ -39,7 +39,6 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// Returns the instant at which the fraction `part` of the spans' total duration has passed.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -136,7 +135,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // `chosen` selects a moving highlight. The line is random, because aiming at the recorded sources
+            // A sharp moving highlight was selected. The ray is random, because rays to recorded positions
             // would miss unrecorded parts of the highlight.
             chosen -= light;
             std::size_t k = 0;
@@ -156,8 +155,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // For a response smaller than a pixel, choose a random lens point and compute the position in the
-        // pixel. Otherwise do the reverse, so that few lines miss.
+        // If the blur is smaller than a pixel, chooses a random lens point and computes the ray's position in
+        // the pixel, otherwise the reverse. Few rays then miss the highlight.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -67,16 +67,16 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The views that decide whether a highlight is visible.
-    /// - `nearest`: the views nearest to each of `edge` x `edge` cells over the lens
-    /// - `all`: views of the whole lens, for sharp highlights (Source::by_all)
+    /// The lens points that decide whether a highlight is visible.
+    /// - `nearest`: those nearest to each of `edge` x `edge` cells over the lens
+    /// - `all`: some from the whole lens, for sharp highlights
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Returns the three views nearest to each of `edge` x `edge` cells over the lens. Distances are in lens
-    /// radii; away2(view) is the squared distance in time.
+    /// Finds the three lens points nearest to each of `edge` x `edge` cells over the lens, in lens radii.
+    /// away2(i) is added to the squared distance of lens point i, for its distance in time.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -86,19 +86,14 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// Returns the groups of neighbouring highlights whose light reaches the tile (square of the image), with
-    /// their numbers of visibility samples per pixel.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the visible share of a group of highlights in each pixel of `part`. It is the fraction of views
-    /// that see the group's centre.
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Returns the fraction of views that see the source. `at` is the pixel's centre in image px. Tested are
-    /// views near the lens point of the source's light or, with Source::by_all, all over the lens.
+    /// Returns the fraction of lens points that see a highlight from the pixel centre `at`, in image px.
+    /// Tests lens points near its light's path or, if sharp, all over the lens.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
-    /// Returns whether one view sees the source at a pixel of the tile.
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
                             std::size_t pixel) const {
         const std::size_t k = view * TileViews::view + pixel;
@@ -107,8 +102,8 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. In
-    /// their distance, the whole exposure counts as `lens_radii_of_open` lens radii.
+    /// For moving highlights, the exposure is divided into `spans` equal intervals, each with its own list of
+    /// nearest lens points. The whole exposure counts as a distance of `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -132,8 +127,6 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
         const auto of_cell = [edge](std::size_t i) {
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
-        // Views are visited by their distance in y, a lower bound of their distance from the cell. The search
-        // ends when it exceeds the third-smallest distance.
         const double q_y = of_cell(row);
         std::vector<std::pair<double, std::uint32_t>> by_row;
         for (std::uint32_t v = 0; v < views.size(); ++v) {
@@ -191,7 +184,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // A highlight in a mirror or behind glass is visible if the view sees the mirror or glass.
+    // Approximation: a highlight in a mirror or behind glass is visible wherever the mirror or glass is
+    // visible.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -203,8 +197,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // Select the groups of highlights whose visibility is sampled, the brightest first. A sample costs the
-    // share of the tile that the group's light reaches, but at least least_cost.
+    // Chooses the brightest groups of highlights for exact visibility tests. A test costs the fraction of the
+    // tile that the group's blur covers, but at least least_cost.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -238,9 +232,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which visibility is sampled. It differs between:
+    // Random offset of the positions at which visibility is tested. It differs between:
     // - groups of highlights, so that not all miss the same nearer surface
-    // - sets of views, so that the difference of their images shows the sampling error
+    // - sets of lens points, so that the difference of their images shows the error
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -254,8 +248,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Skip patches (planar parts of surfaces) behind the highlight. Patches are not sorted by their
-            // nearest point, so the loop does not end here.
+            // Surfaces behind the highlight cannot hide it. They are not sorted by their nearest point, so
+            // later ones may lie in front.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -270,8 +264,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // A nearer surface casts one shadow for each highlight of a group. If these are visibly far apart, four
-    // points with the same standard deviation replace the group's centre.
+    // A nearer surface casts one shadow for each highlight of the group. If these shadows are visibly far
+    // apart, four points stand for the group instead of its centre.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -316,8 +310,6 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // The highlights of a group share the visible share of each pixel in two cases: visibility is
-        // sampled, or all views test it (by_all) and nothing moves.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

@@ -54,7 +54,8 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// Whether there is light at the borders of the part: `low` left and above, `high` right and below.
+    /// Whether the highlight touches the borders of this part of the pixel: `low` left and upper border,
+    /// `high` right and lower border.
     glm::bvec2 low{false}, high{false};
 };
 
@@ -64,18 +65,18 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns, in order, the pixels that an edge of the highlights may cross.
+    /// Returns the pixels that an edge of the highlights may cross, to measure them with rays. Omits partly
+    /// hidden highlights, which rays through the pinhole miss.
     ///
-    /// Leaves out partly hidden light, which rays through the pinhole do not reach. Unless the light is
-    /// small, also leaves out mirrors, glass, and pixels with more records than rays.
+    /// Unless the highlights are small, also omits mirrors, glass, and pixels with more samples than rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel that light recorded in it or in neighbouring pixels may cover.
+    /// Returns the part of a pixel that may be bright, according to the samples in it and in its eight
+    /// neighbours.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Traces `across` x `across` rays through a part of a pixel. Returns the highlights that they hit.
+    /// Traces `across` x `across` rays through a part of a pixel, and returns the bright squares that they
+    /// hit.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
-    /// Returns the highlight nearest to (x, y) among those recorded in the pixel and its eight neighbours.
-    /// There must be at least one.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
 
@@ -92,8 +93,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A highlight may extend to the next record, by the edge of its quadtree cell. light.area is a
-            // quarter of the cell's area, so the edge is 2 sqrt(light.area).
+            // A highlight may extend to the neighbouring sample, one quadtree cell away. `light.area` is a
+            // quarter of the cell's area, so the cell is 2 sqrt(light.area) wide.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -113,7 +114,6 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
         first = {std::min(first.first, pixel.first), std::min(first.second, pixel.second)};
         last = {std::max(last.first, pixel.first), std::max(last.second, pixel.second)};
     }
-    // Covers the pixels of the highlights, and two more rows and columns on each side.
     const Pixel origin{first.first - 2, first.second - 2};
     const auto width = static_cast<std::size_t>(last.second - first.second) + 5,
                height = static_cast<std::size_t>(last.first - first.first) + 5;
@@ -148,7 +148,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // The area of the light in the 5 x 5 pixels around decides whether it is small.
+            // The highlight counts as small if the bright area within 5 x 5 pixels is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {
@@ -333,7 +333,8 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
     while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
-    // Rays follow narrow light into neighbouring pixels that have no record of it.
+    // Traces rays in neighbouring pixels, too, where a narrow highlight continues without having been
+    // recorded.
     for (bool any = true; any && rays_of(finest) <= most_rays;) {
         std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
         for (const Edge& edge : edges) {

@@ -44,8 +44,8 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // Two neighbouring points are moved as well. The parallelogram of the three points shows how much the
-    // highlight grows, for example because it comes nearer.
+    // Moves two neighbouring points as well. The area between the three points shows how much the highlight
+    // grows, for example because it comes nearer.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -18,8 +18,7 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // One pixel is added on each side, because the pixel filter and the scattered kernels extend beyond the
-    // rectangle.
+    // The pixel filter and the blur kernels extend up to one pixel beyond the rectangle.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -79,8 +78,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Count the pixels of all patches (planar parts of surfaces) in each cell. If they exceed the
-            // cell's area, the surface overlaps itself.
+            // Counts how many pixels surfaces cover in each cell. If the count exceeds the cell's area, the
+            // surface overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

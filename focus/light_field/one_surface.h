@@ -22,7 +22,7 @@ struct OneSurface {
     }
     /// Returns the fraction of the cells that show a single surface.
     [[nodiscard]] double share() const;
-    /// Returns whether all cells that overlap a rectangle of the window show a single surface.
+    /// Returns whether all cells that overlap a rectangle of the image show a single surface each.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
@@ -32,8 +32,8 @@ class OneSurfaceFinder {
   public:
     /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds patches of directly visible surfaces (`primary`) and of reflected and transmitted ones (`deeper`,
-    /// may be empty).
+    /// Adds planar parts of surfaces: directly visible ones (`primary`), and reflected and transmitted ones
+    /// (`deeper`, may be empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

@@ -20,8 +20,8 @@ double clamped_radius_px(double diameter_px) {
 /// Returns how many levels with equal steps of z' round the CoC diameter to half of linear_step_px. The near
 /// end decides, where the CoC diameter changes most.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Let z be the nearest depth and h half a step. Rounding z + h to z changes the CoC diameter by gain (1 /
-    // z - 1 / (z + h)) = linear_step_px / 2.
+    // With the nearest depth z and half a step h, rounding z + h to z changes the CoC diameter by gain (1 / z
+    // - 1 / (z + h)). This must be linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -95,8 +95,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // Depths up to half a step outside the range use the level at its end. Farther depths, which only
-    // reflected and transmitted surfaces have, get no level.
+    // Depths up to half a step outside the range use the level at its end. Farther depths, which occur only
+    // in reflections and refractions, have no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -42,32 +42,34 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// CoC radius of a point in focus, in px. The disc has an area, but lies within one pixel.
+    /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but small enough
+    /// for the disc to lie within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// Largest CoC radius, in px, to which larger ones are reduced. A disc of this radius adds less than
-    /// 1e-10 of a sample's light to any pixel.
+    /// Largest CoC radius, in px; larger ones are reduced to it. A disc of this radius adds less than 1e-10
+    /// of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing for
-    /// depths outside the range of the levels. Those of LevelTable have no limit.
+    /// Returns the number of the depth level nearest to an inverse depth in 1/m (0: infinitely far). Returns
+    /// nothing for depths outside the range of the levels.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Returns whether the levels come from LevelTable, which has a level for every depth.
+    /// Returns whether the depth levels are those of LevelTable. They become denser towards the focus and
+    /// include every depth.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// Computes level_of for several inverse depths. `level` must have room for all results. Requires
-    /// around_focus().
+    /// Computes level_of for several inverse depths. `level` must have room for all results. Call it only if
+    /// around_focus() is true.
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }
     /// Radius of each level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// Returns the number K of levels for finite depths, or nothing if the levels come from LevelTable.
+    /// Returns the number of levels for finite depths, or nothing if the levels are those of LevelTable.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

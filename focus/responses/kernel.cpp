@@ -42,7 +42,6 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row outside the limits remains in the kernel as an empty row.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -144,8 +143,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // half_height to map_yy have 17 bits each: a sign, and up to 16000 px in steps of 1/4 px. cell_x and
-    // cell_y are clamped to -2^14 to 2^14 - 1.
+    // Bits of the cache key: sizes have 17 each, a sign and up to 16000 px in steps of 1/4 px. Cell positions
+    // are clamped to -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -174,7 +173,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // The table of kernel numbers no longer changes, so no lock is needed.
+        // Needs no lock, because the table of kernel numbers no longer changes.
         return number_of_key_.at(key.packed());
     }
     // Most keys already have a number, which needs no lock.
@@ -188,7 +187,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // A size that was rounded to 0 becomes half a step, so that the ellipse has an area.
+    // An axis that was rounded to 0 becomes half a step long, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)

@@ -42,7 +42,7 @@ struct Kernel {
     int x_begin = 0, x_end = 0;  ///< columns over all rows
 
     [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
-    /// Returns the value in a column of a row. The column must be in [row.x_begin, row.x_end).
+    /// Returns the kernel's value in a column of a row. The column must be in [row.x_begin, row.x_end).
     [[nodiscard]] double at(const KernelRow& row, int column) const {
         if (column >= row.inner_begin && column < row.inner_end) return static_cast<double>(inner);
         const int tap = column < row.inner_begin ? column - row.x_begin
@@ -66,11 +66,11 @@ struct ResponseRequest;
 struct KernelKey {
     /// Subpixel positions are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Sizes of ellipses are rounded to multiples of this step, in px. The outline then has an error of at
-    /// most an eighth of a pixel along each axis.
+    /// The semi-axes of blur ellipses are rounded to multiples of this step, in px. The outline then has an
+    /// error of at most an eighth of a pixel.
     ///
-    /// With a fineness of k, the step is divided by 4^k. Highlights smaller than fineness_below_px[k] use k =
-    /// 1 or 2, because their brightness depends on the size.
+    /// Fineness k divides the step by 4^k. Highlights smaller than fineness_below_px[k] use k = 1 or 2,
+    /// because their brightness depends on the size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -82,7 +82,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The following members are only used if the aperture is not round or the response varies over the image.
+    // The following members are only used if the aperture is not round or the blur kernel varies over the
+    // image.
     bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -90,18 +91,20 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Returns the key of an ellipse. `fine` selects the finest step that is allowed for its size.
+    /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
+    /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// A map is the 2x2 matrix from the aperture to the image. Rounding keeps map_bits leading bits of its
-    /// largest entry.
+    /// Number of leading bits to which the 2x2 matrix from the aperture to the image is rounded, relative to
+    /// its largest entry.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds the key more coarsely, so that more keys share a kernel. The step is multiplied by 2^times.
+    /// Rounds sizes in the key more coarsely, by a factor of 2^times, so that more keys share one blur
+    /// kernel.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns the number of bits of the largest size in the key. Sizes are integers, in units of step_px().
+    /// Number of bits that the largest size in a blur kernel's cache key needs, in steps of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -130,41 +133,42 @@ struct Reach {
 /// `number_of`. Then `build` builds the kernels. Only the numbers depend on the timing of threads.
 class KernelTable {
   public:
-    /// - `disc_radius_px`: CoC radius of each depth level; kernel number i is the disc of level i
-    /// - `model`: provides the impulse responses; must outlive the table
+    /// - `disc_radius_px`: CoC radius of each depth level; blur kernel number i is the disc of level i
+    /// - `model`: computes the kernels; must outlive the table
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// Returns the number of a key. After `build`, only keys that were requested before are allowed.
+    /// Returns the number of the blur kernel with this key. After `build`, only keys that were requested
+    /// before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Marks the disc of a depth level, centred on an integer raster position, as needed.
+    /// Requests the blur kernel of a depth level: a disc centred on an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds the kernels, in parallel. Call it once, after all keys have been requested. Ellipses are
-    /// rounded more coarsely (KernelKey::coarsen) if their kernels need more than `memory_limit_bytes`.
-    /// Throws Error(out_of_memory).
+    /// Builds all requested blur kernels, in parallel. Call it once, after the last request. If the kernels
+    /// need more than `memory_limit_bytes`, ellipses are rounded more coarsely. Throws Error(out_of_memory).
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees the memory of the keys. Call it after `build`. number_of must not be called afterwards.
+    /// Frees the memory of the keys. Call it after `build`; number_of must not be called afterwards.
     void forget_keys() { number_of_key_ = {}; }
 
-    /// Returns the kernel with a number, for a channel. `channel` must be less than channels().
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
         return kernels_[channels_ * kernel_of_[number] + channel];
     }
     [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return kernel(number, 0); }
-    /// Returns 3 if each colour channel has its own kernels, and 1 if all channels share them.
+    /// Returns 3 if each colour channel has its own blur kernels, or 1 if all channels share them.
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Returns the pixels that the kernels of a number reach, in any channel. Call it after `build`.
+    /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
+    /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of an
-    /// unused disc refers to an arbitrary kernel.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
+    /// that was not requested refers to an arbitrary kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
+    /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// Returns the ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
-    /// Returns the map of a key from the aperture to px, for apertures that are not round.
+    /// Returns the 2x2 matrix from the aperture to px that a key stands for, for apertures that are not
+    /// round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
     /// Returns the approximate memory of a key's kernel, in bytes.
@@ -181,8 +185,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// Hash function of the hash map, which uses only the lowest bits. Those of PackedHash depend only on the
-    /// subpixel position, so they are mixed with the upper bits.
+    /// The hash map uses only the lowest bits of a hash, which in PackedHash depend only on the kernel's
+    /// subpixel position. Mixes them with the upper bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

@@ -23,7 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // packed() has 17 bits per number. With larger numbers, keys of different shapes could become equal.
+    // Each number has 17 bits in the packed cache key. Larger numbers could make keys of different shapes
+    // equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -53,8 +54,6 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Round subpixel positions (phases) to 2 * unit sixteenths of a pixel, at most to whole pixels. With a
-    // fineness of 0, this is half the step of the shape.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
@@ -81,8 +80,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Keys that become equal in one step nearly always stay equal, so one of them suffices. Sorting makes
-        // the choice independent of the order of threads.
+        // Kernels that become equal in one rounding step nearly always stay equal, so only one of them is
+        // kept. Sorting makes the choice independent of thread timing.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -101,8 +100,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. The
-    // number of samples with these sizes is unknown.
+    // Relative error of the blur radii in one octave (range up to twice the smallest) after `times`
+    // roundings, each of which doubles it.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -21,10 +21,11 @@ class LevelTable {
 
     /// Returns the diameter of a level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the level nearest to a diameter, without the lookup table. `diameter_px` must be finite; its
-    /// sign is ignored.
+    /// Computes the depth level nearest to a CoC diameter without the lookup table. `diameter_px` must be
+    /// finite; its sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the level nearest to a diameter. Below end_px, it comes from the lookup table.
+    /// Returns the depth level nearest to a CoC diameter, from the lookup table if the diameter is less than
+    /// end_px.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -40,11 +41,12 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Size of the lookup table. Its cells are so narrow that at most one level begins in each of them.
+    /// Size of the lookup table from CoC diameters to depth levels. Its cells are so narrow that at most one
+    /// level begins in each.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the lookup table:
+    /// For each cell of the lookup table from CoC diameters to depth levels:
     /// - begin_px_: diameter at which a level begins in the cell
-    /// - before_: level before it
+    /// - before_: level below this diameter
     /// - step_: difference between the two levels, or 0 if no level begins
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};

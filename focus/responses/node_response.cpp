@@ -44,8 +44,8 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The kernel belongs to the rounded depth of `map_px`. The transmittance must be that of the same depth,
-    // or some light would be lost.
+    // The blur kernel was computed for the rounded depth of `map_px`. The transmittance must be that of the
+    // same depth, or some light would be lost.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -61,8 +61,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // `map` converts lens points, in lens radii, to the displacement of the record's image, in px. W is the
-    // record's 2x2 matrix and s the inverse focus distance. glm matrices are column-major.
+    // Converts lens points, in lens radii, to the displacement of the sample's image, in px. It is scale (s -
+    // W), with the sample's 2x2 matrix W and the inverse focus distance s; glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

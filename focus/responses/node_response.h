@@ -45,7 +45,7 @@ struct NodeResponse {
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth of the kernel, in 1/m. Only set if responses vary over the image.
+    /// Inverse depth, in 1/m, for which the blur kernel is computed. Only set if kernels vary over the image.
     double inverse_depth_per_m = 0;
 };
 
@@ -57,20 +57,21 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the response of a reflected or transmitted record. The depth model selects the record's depth.
+    /// Returns the blur kernel for a surface point that is seen by reflection or refraction. The depth model
+    /// determines the depth at which it is blurred.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the share of a record's light that the lens transmits. It multiplies the light and its weight.
-    /// It is 1 if one kernel serves the whole image.
+    /// Returns the fraction of a sample's light that the lens transmits, by which its colour and weight are
+    /// multiplied. It is 1 if one kernel serves the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`
-    /// (vignetting). A pixel that is divided by its sum of weights must be multiplied by this share.
+    /// Returns the fraction of the lens that transmits light to the pixel (x, y) of the image `window`
+    /// (vignetting). A pixel that was divided by its sum of weights must be multiplied by it.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Returns the subpixel positions at which a sample's response is placed, with their weights.
+    /// Returns the rounded subpixel positions at which a sample's blur kernel is added, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -77,8 +77,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. Its part in
-        // each leaf moves to the centre of this quarter.
+        // The sample at a corner stands for a quarter of each undivided quadtree cell around it. Its light in
+        // each cell is placed at the centre of the quarter.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

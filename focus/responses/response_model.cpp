@@ -28,8 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Vignetting (cats_eye) occurs where two circular openings of the lens do not overlap. Per px of the
-        // scene point in the image, their images move apart by this many px.
+        // Vignetting arises where two circular openings of the lens do not overlap. Moving a point by 1 px in
+        // the image shifts one opening by this many px in the point's blur.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -46,14 +46,14 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // A disc replaces a response smaller than a pixel, whose shape is not visible. On a pixel corner,
-        // each of the four pixels gets a quarter, as in the pinhole image.
+        // A disc replaces blur smaller than a pixel, whose shape is invisible. On a pixel corner, each of the
+        // four pixels gets a quarter, as in the pinhole image.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // All samples in a cell (square of the image) share the response at its centre. If vignetting blocks
-        // all light there, the response without vignetting is used.
+        // The blur kernel is computed at the centre of a square of the image. If vignetting blocks all light
+        // there, it is computed without vignetting.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -73,7 +73,7 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The inverse depth 1/z' is the mean of the diagonal of W, the record's 2x2 matrix. `map_px` is
+            // The inverse depth 1/z' is the mean of the diagonal of the sample's 2x2 matrix W. `map_px` is
             // gain R (I/s - W), with gain = film distance in px, R = aperture radius, s = focus distance.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};

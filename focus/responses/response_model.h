@@ -35,43 +35,45 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Returns whether responses are uniform inside an outline. Adding such a response costs time
+    /// Returns whether blur kernels are uniform inside their outline. The time to add such a kernel is
     /// proportional to the length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
-    /// Returns whether turning the aperture by 180 degrees does not change its response.
+    /// Returns whether turning the aperture by 180 degrees does not change the blur.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Returns the width, in px, of squares of the image in which all responses share one kernel. 0 means the
-    /// whole image. `map_px` converts lens points to px.
+    /// Width, in px, of the squares of the image in which all samples at one depth share one blur kernel. 0
+    /// means the whole image. `map_px` converts lens points to px.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Returns the transmittance for a scene point at `place_px` from the image's centre.
+    /// Returns the transmittance of the lens for a scene point at `place_px` from the image's centre, from 0
+    /// to 1.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
                                               double /*inverse_depth_per_m*/) const {
         return 1;
     }
-    /// Returns the spherical aberration at the rim of the lens, in px.
+    /// Returns the displacement, in px, of rays through the rim of the lens by spherical aberration.
     [[nodiscard]] virtual double spherical_px() const { return 0; }
     /// Returns the radius outside which the response is 0, in px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Returns how far light of a scene point reaches, in px. `radius_px` is the signed radius of its circle
-    /// of confusion.
+    /// Returns the largest distance, in px, over which the light of a scene point is spread. `radius_px` is
+    /// the signed radius of its circle of confusion.
     [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
-    /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or are all 0 if no light is
-    /// transmitted.
+    /// Computes the blur kernel. Its values add up to 1 unless `reach` clips it. They are all 0 if the lens
+    /// transmits no light.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. This saves time if
-    /// kernels are expensive to build.
+    /// CoC radius, in px, from which kernels are computed for fewer subpixel positions. This saves time if
+    /// kernels are expensive.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
-    /// Returns whether red, green and blue have their own responses. If so, `channel_kernels` is called
+    /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether the model supports an anisotropic `map_px`. If not, surfaces in mirrors and glass are
-    /// blurred with a mean radius.
+    /// Returns whether the model supports an anisotropic `map_px` (astigmatism). If not, surfaces in mirrors
+    /// and glass are blurred by their mean CoC radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Builds the kernels of all requests, in parallel. All must have the same subpixel position phase_px.
+    /// Computes the blur kernels for all requests, one per colour channel, in parallel. All requests must
+    /// have the same subpixel position `phase_px`.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};

@@ -27,8 +27,6 @@ void BorderRadii::note(const RasterWindow& source, const PointSample& s, int y, 
 }
 
 void BorderRadii::note_pixel(const RasterWindow& source, int x, int y, double radius_px) {
-    // The lower corners of a pixel are stored as the upper corners of the pixel below. Only the lowest row
-    // stores its lower corners, too.
     const int last_y = y == source.y_end - 2 ? y + 1 : y;
     for (int v = y; v <= last_y; ++v) {
         for (const int u : {x, x + 1})

@@ -16,10 +16,11 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Raises the radius at a sample's position to `radius_px`, if the sample lies on the border. `y` is the
-    /// sample's row of pixels. Several threads may add different rows.
+    /// If a sample lies on the border of the traced area, raises the blur radius stored at its position to
+    /// `radius_px`. `y` is the sample's row of pixels. Several threads may add different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Raises the radii at those corners of the pixel (x, y) that lie on the border to `radius_px`.
+    /// If corners of the pixel (x, y) lie on the border of the traced area, raises the blur radii stored
+    /// there to `radius_px`.
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

@@ -28,12 +28,12 @@ struct PlainCorners {
     /// 1/z' of the corner at each column, in 1/m, or `not_plain`.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// All other point samples, as indices into PointSamples::samples. Those of row i are [other_begin[i],
-    /// other_begin[i + 1]) of `others`.
+    /// All samples that are not stored compactly, as indices into PointSamples::samples. Those of row i are
+    /// [other_begin[i], other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the plain corners in a row.
     struct Row {
-        /// Smallest and largest 1/z' of the corners at a finite depth, in 1/m. Without such corners, the
+        /// Smallest and largest 1/z' of the row's samples at a finite depth, in 1/m. Without any, the
         /// smallest is larger than the largest.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
         bool negative = false;  ///< some colour is negative

@@ -20,18 +20,18 @@ class PointScatter {
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
-    /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
+    /// Adds the blurred light of all samples that reach the rows `rows` of the image.
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that splats may reach, possibly empty. Outside it, sums are zero and not stored.
+    /// The part of `rows` that the blur of any sample may reach, possibly empty. Outside it, sums are zero
+    /// and not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// Returns the sums of red, green, blue and weight of a pixel within reached(). Those of the next pixels
-    /// of the row follow.
+    /// Returns the sums of red, green, blue and weight of a pixel. Those of the next pixels of the row
+    /// follow.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row that may reach rows_ and belong to one reach class (similar kernel size).
     struct Pass {
         std::span<const Splat> splats;
         int y;

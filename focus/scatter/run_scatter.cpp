@@ -128,8 +128,6 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// Colours of the line (filtered part of the source row), per channel. They are in the raster or, if
-    /// `in_raster` is null, at lines_[line_at]. Their running sums are at running_[running_at].
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -150,7 +148,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows of the block that no run has reached are also flushed, which sets their sums to 0.
+    // Also writes 0 into rows of the block that no sample reaches.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -198,7 +196,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The kernel is symmetric, so only its rows dy >= 0 are used. Row -1 - dy equals row dy.
+    // Only the lower half of the kernel is used (dy >= 0), because it is symmetric: row -1 - dy equals row
+    // dy.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -214,8 +213,6 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // A line is the part of a source row that is filtered for a run (adjacent samples with the same disc). It
-    // covers the run's strips, `reach` columns on either side, and one more.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -236,7 +233,8 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // The strips' reading order defeats the hardware prefetcher, so the line is prefetched here.
+        // Prefetches the samples, because they are later read in an order that defeats the hardware
+        // prefetcher.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;

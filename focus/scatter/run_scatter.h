@@ -17,7 +17,7 @@ namespace postlens {
 /// leaves no rounding error to its right.
 class RunScatter {
   public:
-    /// Number of columns in a strip. A block of pixels is divided into strips.
+    /// Number of columns of the image that are computed together.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);
@@ -27,12 +27,12 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
-    /// tables.picture(). Returns false if there are none.
+    /// Adds the blurred light of adjacent samples that have the same disc as kernel, within `block`, a part
+    /// of the image. Returns false if there are none.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of `channel` in row y of a strip (strip_width columns of the block). Channels 0 to 2
-    /// are colours, channel 3 is the weight.
+    /// Returns the sums of a channel in row y of the strip with this number, which is `strip_width` columns
+    /// wide. Channels 0 to 2 are colours, channel 3 is the weight.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }
@@ -57,8 +57,6 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// partial_ contains the sums over the last few source rows, and total_ those over all rows before. They
-    /// are stored strip by strip, and row by row within a strip.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

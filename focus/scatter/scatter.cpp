@@ -40,8 +40,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Rounding errors may make a value slightly negative. It is clamped to 0, unless the scene has negative
-    // colours.
+    // Rounding errors may make a value slightly negative, so it is clamped to 0, unless the scene has
+    // negative colours.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;

@@ -27,7 +27,6 @@ class SplatTables::RowBuilder {
     explicit RowBuilder(SplatTables& tables)
         : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
 
-    /// Adds row `row` of the samples, which is row y of the raster.
     void build(const RecordBand& band, const PointSamples& samples, const PlainCorners& plain,
                std::size_t row, int y);
     void build(std::span<const PixelLight> lights, int y);
@@ -38,8 +37,8 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// Adds the splats of one record of a sample. Colour and `weight` are multiplied by the sample's weight.
-    /// `weight` is 0 for reflected and transmitted records, which normalisation ignores.
+    /// Adds the blur kernel of one surface point of a sample. `rgb` and `weight` are multiplied by the
+    /// sample's weight. `weight` is 0 for reflected and transmitted light, so that a sample counts once.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -80,8 +79,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC is that of a directly visible surface at a finite depth. In mirrors and glass, it has
-    // no limit near a caustic.
+    // The largest CoC is that of a directly visible surface at a finite depth. In mirrors and glass, the CoC
+    // has no limit near a caustic.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -128,7 +127,7 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // The signed CoC radius is linear in 1/z', so the nearest or the farthest corner has the largest.
+    // The signed CoC radius is linear in 1/z', so the nearest or the farthest sample has the largest.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -241,7 +240,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // 1 px is added, because a kernel may lie up to 1 px from its anchor (integer raster position).
+    // Adds 1 px, because a kernel may be centred up to 1 px from its integer raster position.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -344,8 +343,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again contribute only splats that reach far from their row. These were kept
-    // when the rows were first added.
+    // Rows that are not added again matter only through samples with a large blur, which were kept when the
+    // rows were first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

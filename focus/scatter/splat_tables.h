@@ -49,11 +49,10 @@ inline constexpr std::size_t reach_classes = 6;
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Reach class c (splats of similar kernel size) is [class_begin[c], class_begin[c + 1]) of `splats`.
-    /// class_reach[c] contains all pixels that they reach, relative to their anchors.
+    /// Samples are sorted by the size of their blur kernels. Size class c is [class_begin[c], class_begin[c +
+    /// 1]) of `splats`; class_reach[c] is the range of pixels that its kernels cover.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// Pixel rows that the runs (adjacent samples with the same disc) reach, relative to this row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
@@ -65,8 +64,8 @@ struct SplatRow {
 /// The splats of an image, sorted by row. Add each row once, in any order, then call finish().
 class SplatTables {
   public:
-    /// `source` is the window of the recorded pixel corners, `picture` that of the image's pixels. If
-    /// `response` (the model of the impulse responses) is null, discs are used.
+    /// `source` is the window of the recorded pixel corners, `picture` that of the image's pixels. `response`
+    /// computes the blur kernels; if it is null, they are discs.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -76,34 +75,34 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their records and, if any, those
-    /// of the rows above and below. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their samples and those of the
+    /// rows directly above and below, if any. Throws Error(invalid_input) if a pixel's quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. `rows` may already contain the point samples.
+    /// Adds rows of pixel corners. If `rows` already contains the point samples (eye rays), they are not
+    /// computed again.
     void add_rows(const FrameRows& rows);
     /// Adds row y of another program's image. `lights` must be sorted by column; hidden samples are skipped.
     /// Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill pixels whose weights add up to less than 1. `most` is the largest empty share of
-    /// each pixel of the image, row by row.
+    /// Leaves pixels partly black where weights add up to less than 1. `most` is the largest fraction of each
+    /// pixel that may be empty, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
-    /// Prepares an image that is made in strips (groups of rows). Call it before the first row is added. Rows
-    /// added before finish() only determine which kernels are needed.
+    /// Prepares for an image that is computed in groups of rows. Call it before the first row is added. Rows
+    /// added before finish() only determine which blur kernels are needed.
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Returns the ranges
-    /// of rows [begin, end) to add once more, in this order, before finish_strip().
+    /// Starts a group of rows of the image, the window `part`. Returns the ranges of sample rows [begin, end)
+    /// to add again before finish_strip(), in this order.
     ///
-    /// Call it after finish(), once for each strip. The height of each strip must be a multiple of
-    /// `block_px`.
+    /// Call it after finish(), once for each group. The height of a group must be a multiple of `block_px`.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of splats that reach the rows of blocks [begin, end). Call it after finish_strip()
-    /// of the first strip, which may be empty.
+    /// Returns the number of samples whose blur reaches the rows of blocks [begin, end). Call it after the
+    /// first finish_strip(); an empty group of rows suffices.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -113,22 +112,21 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only columns of runs
-    /// (adjacent samples with the same disc) are valid.
+    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only samples whose
+    /// left or right neighbour has the same disc are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The pixel rows that runs (adjacent samples with the same disc) of any row reach, relative to their own
-    /// row.
+    /// Range of pixel rows that the discs of adjacent samples cover, relative to the samples' row. It holds
+    /// for all rows.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns the largest share of each pixel of raster row y that may be empty. Returns null if
-    /// let_nothing_fill was not called.
+    /// Returns the largest empty fraction of each pixel of row y, or null if let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
@@ -160,8 +158,6 @@ class SplatTables {
     NodeResponses responses_;
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
-    /// Colours of the samples at pixel corners, one plane per channel. Only corners in a run (adjacent
-    /// samples with the same disc) are initialised.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

@@ -27,7 +27,7 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the file's rows; rows that are never added are read for every strip
+    /// - `source`: window of the file's rows; rows that are never added are read again each time
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -36,7 +36,7 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of row y. Call it before these items are added again, in their original order.
+    /// Removes what was added for row y. Call it before the row is added again, in the original order.
     /// Several threads may call it and `add` for different rows.
     void begin_row(int y) {
         Row& to = row(y);
@@ -59,8 +59,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items, by increasing the distance from which an item counts as far. Call
-    /// it after each addition of complete rows.
+    /// Limits memory: if too many samples with a large blur are kept, keeps only those whose blur reaches
+    /// farther. Call it after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -82,8 +82,8 @@ class StripRows {
         }
     }
 
-    /// Returns the rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end).
-    /// Short gaps are included, because this is faster than a new range.
+    /// Returns the ranges [begin, end) of sample rows that must be read to compute the pixel rows [first,
+    /// last). Includes short gaps, because this is faster than a new range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -99,7 +99,8 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of items that reach the rows of blocks [begin, end). All rows must have been added.
+    /// Returns the number of samples that reach the rows of blocks [begin, end). Requires that all rows have
+    /// been added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -109,8 +110,7 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the items of a row that reach far, in order. A row that is not read again contributes only
-    /// these.
+    /// Returns the samples of a row whose blur reaches far, in order. Only these are kept in memory.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }

@@ -48,7 +48,6 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
         const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
         out.square += step * step / 3;
         out.curvature_square += mixed * mixed / 3;
-        // Assigns the corners to the two sides of an edge, in the channel with the largest difference.
         if (step > widest) {
             widest = step;
             const double middle = (*low + *high) / 2;
@@ -98,11 +97,11 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: the light of the highlight (radiance times area) is wrong by `off`. It is
-    // spread over its circle of confusion.
+    // First part of the error: the light of the highlight (radiance times area) is wrong by `off`, which the
+    // lens spreads over the circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // Second part of the error: an inaccurate position displaces the circle of confusion, which changes the
-    // pixels at its rim.
+    // Second part of the error: an inaccurate position of the highlight displaces the circle of confusion,
+    // which changes the pixels at its rim.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -116,8 +115,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Smooth shading is assumed to be a x^2 + b y^2 + c x y. The mean of the corners then differs from that
-    // of the cell by (a + b) / 6. Only c follows from the corners, so a = b = c / 2 is assumed.
+    // Assumes smooth shading of the form a x^2 + b y^2 + c x y, of which the corners only show c. The mean of
+    // the corners is wrong by (a + b) / 6, with a = b = c / 2 assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

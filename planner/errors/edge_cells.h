@@ -25,7 +25,7 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// How an edge divides the corners of the cell:
+    /// How an edge divides the four corners of a square cell:
     /// - `none`: there is no edge
     /// - `upright`, `level`: two adjacent corners from the other two, so it may be parallel to a side
     /// - `slanted`: one corner from three, or two opposite corners from the other two
@@ -34,7 +34,7 @@ struct CellStep {
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
     double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
-    /// Largest and smallest scene-linear value of the corners, in the channel with the brightest corner.
+    /// Largest and smallest scene-linear value of the cell's corners, in the channel of the brightest value.
     double high = 0, low = 0;
 };
 

@@ -9,7 +9,6 @@ namespace postlens {
 
 std::vector<float> local_contrast(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Two summed-area tables: the values of each channel, and the squares summed over all channels.
     const std::size_t stride = width + 1;
     std::vector<double> sums(3 * stride * (height + 1), 0), squares(stride * (height + 1), 0);
     for (std::size_t y = 0; y < height; ++y) {

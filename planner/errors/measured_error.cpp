@@ -271,7 +271,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
                                      const std::vector<int>& views) {
     std::vector<double> out(grid.count(), 0);
     if (a.light_square.empty()) return out;
-    // Returns the variance of the highlights' radiance over single rays of a pixel, in the brightest channel.
+    // Variance of the highlights' light between single rays of a pixel, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
         const float mean = *std::ranges::max_element(half.highlight_checks[k].light);
         return half.light_square[k] - mean * mean;
@@ -282,8 +282,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean of both halves. Each has n rays, stratified in four dimensions.
-            // At the outline of a light source, their mean has n^(-1 - 1/4) times the variance of one ray
+            // Standard deviation of the mean of both halves. Each has n rays, stratified in four dimensions,
+            // whose mean at the outline of a light source has n^(-1 - 1/4) times the variance of one ray
             // [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));

@@ -18,8 +18,8 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between the image `other` (see measured_error) and the mean of infinitely
-    /// many views. The estimate may be negative.
+    /// Estimated squared difference between the image `other` (see measured_error) and a light field with
+    /// infinitely many lens points. It may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -29,8 +29,8 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error if another image has the weight w. The estimate is wrong
-    /// by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B `of_product`.
+    /// Returns the variance of the estimated error if another image is mixed in with the weight w. The
+    /// estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B `of_product`.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -38,7 +38,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Error that the records cause in the image, measured by check rays. The estimate may be negative.
+    /// Squared error that the sample file causes in the image, measured by random rays. The estimate may be
+    /// negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`

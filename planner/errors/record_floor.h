@@ -26,10 +26,10 @@ inline constexpr double floor_unseen = 1.4;
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the quadtree leaves that find_leaves
-    /// finds there. Several threads may add different rows.
+    /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the undivided quadtree cells that
+    /// find_leaves finds there. Several threads may add different rows.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
-    /// Returns `add` as a callback for readers of records. It keeps a reference to this object.
+    /// Returns a callback that passes the rows of a file to `add`. It keeps a reference to this object.
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
             add(band, y_begin, y_end, leaves);

@@ -36,7 +36,7 @@ class Ranges {
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }
-    /// Returns the difference between the largest and the smallest value of a channel around a pixel.
+    /// Returns the difference between the largest and the smallest value of a colour channel near a pixel.
     [[nodiscard]] float span(int x, int y, std::size_t channel) const {
         const Bounds& b = ranges_[at(x / square, y / square)][channel];
         return b.high - b.low;

@@ -14,8 +14,8 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
-    // Smallest number of checked pixels. The products of their residuals (ray minus record) vary widely, but
-    // the mean of 8000 is accurate enough.
+    // Smallest number of pixels that rays check. The errors that single rays find vary widely, but the mean
+    // of 8000 is accurate enough.
     constexpr int enough_pixels = 8000;
     const bool is_small = std::int64_t{width} * height < enough_pixels * 16;
     edge_ = (is_small ? 2 : 4) + (random_rays ? 1 : 0);
@@ -34,14 +34,14 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // Number of views per half from which rays check the highlights of all pixels. With fewer views, they
-    // check a proportional share of the pixels.
+    // Number of lens points from which rays check the highlights of every pixel. With fewer lens points, a
+    // proportional fraction of the pixels is checked.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // The pixels of a block are ranked, from the pixel that states the error, and the first `chosen` are
-    // selected. Ranks differ, because `step` and the number of pixels are coprime.
+    // Selects `chosen` pixels of a block, beginning with the one that states the error. All ranks differ,
+    // because `step` and the number of pixels are coprime.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

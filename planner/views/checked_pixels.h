@@ -16,15 +16,15 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// Size of the image, in px. `random_rays` states whether rays have random radiances, for example because
-    /// a light has an extent.
+    /// Size of the image, in px. Set `random_rays` if rays return random radiances, for example because a
+    /// lamp has an extent.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends those of the views [first, first + count) of a set that are compared with a ray in pixel (x,
-    /// y). The appended indices are relative to `first`.
+    /// Appends the indices of the lens points from which pixel (x, y) is compared with a ray, out of [first,
+    /// first + count) of a set. They are relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Implements PatchViews::aimed for a half that has `views` views. The more views, the more pixels of a
-    /// block get rays that are aimed at highlights.
+    /// Returns the probability with which pixel (x, y) is selected to check its highlights by rays, or 0 if
+    /// it is not selected. It increases with `views`, the number of lens points.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

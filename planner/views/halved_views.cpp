@@ -65,8 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Key: a range [first, end) of views that this half lacks in some pieces (squares of the image).
-        // Value: the scrambled sets of lens points that these pieces use.
+        // Key: a range [first, end) of lens points that some squares of the image still need. Value: the
+        // numbers of the lens point sets that these squares use.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -21,14 +21,14 @@ namespace postlens {
 /// replace samples whose colours the records do not determine.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` of `settings` are ignored. An image uses fewer than 128 sets of lens
-    /// points, from the index `first_set` on. Throws the errors of hybrid_picture.
+    /// `focus.views` and `focus.method` of `settings` are ignored. The image uses up to 127 sets of lens
+    /// points, with numbers from `first_set` on. Throws the errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views, in two halves, until each tile of `grid()` has `views[tile]` views. Half 0 may
-    /// have one view more. The result is bit-identical for any number of threads.
+    /// Adds lens points, in two halves, until each tile of `grid()` has `views[tile]`. Half 0 may have one
+    /// more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// From now on, rays replace all view samples in the tiles whose entry in `tiles` is not 0, and also the
+    /// From now on, rays replace all samples in the tiles whose entry in `tiles` is not 0, and also the
     /// highlights if `what` says so. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
@@ -41,7 +41,7 @@ class HalvedViews {
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean of all views drawn so far. Its `checks` contain sums over both halves.
+    /// Returns the mean over all lens points so far. Its `checks` contain sums over both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:

@@ -17,7 +17,6 @@ struct TileGrid {
     [[nodiscard]] std::size_t count() const {
         return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
     }
-    /// Returns the number of the tile that contains the pixel (x, y).
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns()) +
                static_cast<std::size_t>(x / edge);
