@@ -23,7 +23,7 @@ namespace postlens {
 /// step.
 class Progress {
   public:
-    /// `total` is the number of units of work in the step.
+    /// `total` is the number of units of work (for example rows) in this step.
     Progress(std::string step, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;
@@ -31,7 +31,7 @@ class Progress {
     Progress(Progress&&) = delete;
     Progress& operator=(Progress&&) = delete;
 
-    /// Adds completed units. Thread-safe.
+    /// Adds completed units of work. Thread-safe.
     void advance(std::uint64_t units = 1);
 
   private:

@@ -50,7 +50,7 @@ inline constexpr int sample_lanes = 16;
 /// from it.
 struct SetKey {
     std::uint64_t value;
-    /// Streams with different `purpose` are independent.
+    /// Random streams with different `purpose` are independent.
     [[nodiscard]] constexpr std::uint64_t stream(std::uint32_t purpose) const {
         return mix64(value + (purpose + 1ULL) * 0xd1b54a32d192ed03ULL);
     }

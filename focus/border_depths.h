@@ -17,7 +17,7 @@ class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
-    /// Adds the records of rows [y_begin, y_end) of `band`.
+    /// Adds the samples of the pixel rows [y_begin, y_end), which `band` must contain.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns, for each pixel corner at the image border, the largest distance over which the lens spreads
     /// its light, in px.

@@ -35,7 +35,7 @@ struct FocusSettings {
     /// enough that rounding changes CoC diameters by less than half a pixel (more with linear `spacing`, or
     /// above 2048 px).
     std::optional<int> depths;
-    /// Number of views of `lightfield`, 1 to most_lens_views.
+    /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;
     /// If set, only the pixels in this rectangle are computed, and all others are undefined. They are
     /// bit-identical to those of the whole image.
@@ -65,7 +65,7 @@ struct FocusResult {
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image
-    /// Absent for an orthographic file.
+    /// Absent if the file was traced with an orthographic camera.
     std::optional<FocusGeometry> geometry;
     std::vector<FocusWarning> warnings;
 };

@@ -15,7 +15,7 @@ struct FocusPasses {
     bool sides = false;        ///< shares in front of, in (CoC up to 1 px) and behind the focus; sum is alpha
     bool cryptomatte = false;  ///< the image's Cryptomatte seen through the lens; coverages add up to alpha
     bool error = false;        ///< standard error of the mean over the views; only with `lightfield`
-    /// Returns whether any of the channels is measured by views.
+    /// Returns whether any channel needs images from single lens points (views).
     [[nodiscard]] bool by_views() const { return sides || cryptomatte || error; }
     [[nodiscard]] bool any() const { return coc || by_views(); }
 };

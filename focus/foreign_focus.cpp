@@ -223,7 +223,7 @@ class Spread {
         return x >= corners_.x_begin && x < corners_.x_end - 1 && y >= corners_.y_begin &&
                y < corners_.y_end - 1;
     }
-    /// The pixels whose light is spread.
+    /// Returns the pixels whose light the lens spreads over the image.
     [[nodiscard]] RasterWindow source_pixels() const {
         return border_ ? border_->window() : known_pixels(picture_);
     }

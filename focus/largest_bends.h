@@ -24,7 +24,7 @@ class LargestBends {
     /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
-    /// The values of row y, one per pixel of the image.
+    /// Returns the largest w_bend of each pixel in row y of the image.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);
     }

@@ -21,7 +21,7 @@ std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, 
     for (int i = begin; i < end; ++i) {
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
-        // The limit of 1e6 px exceeds the size of any image.
+        // Limits the blur to 1e6 px, which exceeds the size of any image.
         if (reach > smallest_reach_px)
             out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
     }

@@ -16,7 +16,7 @@ inline constexpr double default_target_db = 40;
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
     /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If set,
-    /// but no scene is given, a warning tells if AutoResult::bound_mse misses it.
+    /// and no scene is given, a warning reports that AutoResult::bound_mse misses it.
     std::optional<double> target_db;
 };
 

@@ -58,7 +58,7 @@ class BeyondMargin {
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
         : h_(header), geometry_(geometry) {}
 
-    /// Adds records. It does not matter if some are added twice.
+    /// Adds the samples of `band`. Samples may be added twice.
     void add(const RecordBand& band) {
         constexpr int side = 8;
         const int margin = h_.overscan_px;

@@ -17,7 +17,7 @@ inline constexpr double wanted_interval_db = 2;
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
-    /// Squared error of the tile, without the error of the records.
+    /// Squared error of the tile, without errors that the sample file causes.
     [[nodiscard]] double mse(const TileError& measured) const;
 };
 

@@ -89,7 +89,6 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 std::array<const CellCorner*, 4> at{};
                 for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
                 const CellStep step = cell_step(at);
-                // Pixels of the trace without an edge do not contribute.
                 if (step.split == CellStep::Split::none) continue;
                 ++out.edge_pixels;
                 squares += step.square;

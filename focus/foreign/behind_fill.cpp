@@ -226,7 +226,7 @@ class BehindSearch::Impl {
     [[nodiscard]] std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
     }
-    // x and y are relative to the first stored pixel.
+    // Whether the file stores this pixel. x and y are relative to its first stored pixel.
     [[nodiscard]] bool is_stored(int x, int y) const { return x >= 0 && x < width_ && y >= 0 && y < height_; }
     [[nodiscard]] Radii last_of(std::size_t i) const {
         return {last_px_[i], blur_px_.empty() ? last_px_[i] : blur_px_[i]};
@@ -419,7 +419,7 @@ class RectangleSums {
             }
         }
     }
-    /// Sum over columns [x0, x1) of rows [y0, y1).
+    /// Returns the sum of the values in columns [x0, x1) of rows [y0, y1).
     [[nodiscard]] double of(int x0, int x1, int y0, int y1) const {
         const auto at = [&](int x, int y) {
             return sums_[index(std::clamp(x, 0, width_), std::clamp(y, 0, height_))];

@@ -37,7 +37,7 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
 /// Returns the samples of the pixels along one side of the picture. The side begins at the pixel (x, y) and
 /// runs right or down.
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
-    // Direction from this side into the picture.
+    // Direction from this side of the image to its interior.
     const int dx = along_x != 0      ? 0
                    : x == p_.x_begin ? 1
                                      : -1,

@@ -37,8 +37,8 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// The image of the lens, with premultiplied colours and alpha. Alpha is a random estimate, so it may
-    /// exceed 1.
+    /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a random estimate, so it
+    /// may exceed 1.
     Image image;
     /// For each pixel, the fraction of lens points that see past the image border or past all samples. Lens
     /// points that see empty space do not count.

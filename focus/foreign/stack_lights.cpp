@@ -118,7 +118,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, dou
                  hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depths, 0, false);
-        // Hidden light that no lens point sees is not stored.
+        // Skips hidden light that no lens point sees.
         if (s.covered < s.hidden_weight * (1 - least_share))
             store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }

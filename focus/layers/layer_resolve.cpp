@@ -105,7 +105,6 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The radiance of the longer path replaces stand_in.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

@@ -194,7 +194,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // If the parent was not recorded, use the nearest recorded ancestor.
+        // Uses the nearest recorded surface before this one in the sequence of reflections.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());

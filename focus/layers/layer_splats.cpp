@@ -107,7 +107,7 @@ void LayerSplats::store(int y, Row& made) {
         made.splats.resize(kept);
         made.part.resize(kept);
     }
-    // A copy has no spare capacity.
+    // Copies instead of moving, to save memory: a copy has no spare capacity.
     rows_[index] = made;
 }
 
@@ -197,7 +197,6 @@ void LayerSplats::sort_cells() {
     cells_.clear();
     for (const auto& some : tile_cells_) cells_.insert(cells_.end(), some.begin(), some.end());
     tile_cells_.clear();
-    // The tiles of each part are already in order.
     std::stable_sort(cells_.begin(), cells_.end(),
                      [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
 }

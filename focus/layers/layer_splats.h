@@ -136,7 +136,8 @@ class LayerSplats {
     [[nodiscard]] const FocusGeometry& geometry() const { return responses_.geometry(); }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
     [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
-    /// Sorted by part, then by tile.
+    /// Returns the groups of samples, one for each surface in each tile of the image, sorted by surface, then
+    /// by tile.
     [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
     [[nodiscard]] std::span<const LayerRun> runs(const LayerCell& cell) const {
         return std::span(tile_runs_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
@@ -147,8 +148,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Samples of other programs' images lie at pixel centres, 0.5 px right of and below the integer raster
-    /// position. Otherwise returns 0.
+    /// Returns 0.5 if samples lie at pixel centres, as in images of other programs. Returns 0 if they lie at
+    /// integer raster positions.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the colours in the file, to which the result is clamped.
@@ -171,7 +172,6 @@ class LayerSplats {
     struct PlacedRun;
     void sort_row(std::size_t index, std::vector<PlacedRun>& runs);
     std::vector<LayerCell> join(std::size_t tile_row);
-    /// Sorts the splats of the tile rows [joined_, end) into cells.
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();

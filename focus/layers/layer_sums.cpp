@@ -50,7 +50,7 @@ struct LensValues {
     FourDoubles moments;  ///< the last two values of `plain`, times x and times 1
 
     LensValues() = default;
-    /// `x` is the column of the splat's anchor, within the block.
+    /// `x` is the sample's column, within the block of pixels.
     LensValues(const LayerSplat& s, int x) : plain(s, x) {
         const double column = x;
         moments =
@@ -60,7 +60,7 @@ struct LensValues {
         plain.add(other.plain, tap);
         moments += other.moments * tap;
     }
-    /// `y` is the row of the splat's anchor within the block.
+    /// `y` is the sample's row, within the block of pixels.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
         plain.add_to(pixel, y);
         *reinterpret_cast<FourStored*>(pixel + PlainValues::count) += moments * FourDoubles{1, 1, y, y};

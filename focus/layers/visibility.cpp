@@ -84,7 +84,7 @@ struct Arrived {
     double alpha = 0;
     LensMoment lens;  ///< lens moment of alpha
 
-    /// Adds `light`, multiplied by `times` and by the transmittance `open`.
+    /// Adds `light`, multiplied by `times` and by the transmittance `open` of the surfaces in front.
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
         const double shown = times * open.passing(light.rgb[0] + light.rgb[1] + light.rgb[2], light.lens.rgb);
@@ -117,7 +117,7 @@ OverLens moving_along(std::span<const Laid> laid, double radius_px) {
 std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
     constexpr double opaque = 1e-9;
     if (fragments.size() == 1 && fragments[0].hidden.alpha == 0) {
-        // Most pixels show only one surface, which nothing hides.
+        // Shortcut: most pixels show only one surface, which nothing hides.
         std::array<double, 3> rgb = fragments[0].seen.rgb;
         for (double& channel : rgb) channel /= fragments[0].seen.alpha;
         return rgb;

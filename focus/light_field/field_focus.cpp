@@ -179,8 +179,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // Rays need all highlights' surfaces in memory. Here surfaces are read a few rows at a time to save
-        // memory, so highlights are not treated separately.
+        // If rays are traced, highlights can only be treated separately with all surfaces in memory. Here
+        // surfaces are read a few rows at a time.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {

@@ -65,7 +65,7 @@ struct FieldViews {
     /// the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // The following functions are only used with rays (see PatchViews).
+    // The following functions are only used if rays are traced (see PatchViews).
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;

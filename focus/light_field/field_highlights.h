@@ -78,7 +78,7 @@ class FieldHighlights {
         std::uint32_t group = 0;                  ///< index into groups_
         std::uint32_t first_part = 0, parts = 0;  ///< elements of parts_
     };
-    /// Neighbouring highlights that share one computation of visibility, at their centre.
+    /// Neighbouring highlights whose visibility is computed together, at their centre.
     struct Group {
         Source middle;
         int column = 0, row = 0;  ///< position of the group's square in the grid of groups
@@ -94,7 +94,6 @@ class FieldHighlights {
     };
     void group_sources();
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    /// Adds a source that merges the last `parts` highlights of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
     struct Part {
@@ -115,7 +114,7 @@ class FieldHighlights {
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
-    /// A source and the image pixels near its kernel.
+    /// A merged highlight and the image pixels that its blur may reach.
     struct Reach {
         RasterWindow pixels;
         std::uint32_t source = 0;

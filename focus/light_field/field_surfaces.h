@@ -28,7 +28,7 @@ struct FieldSurfaces {
     std::vector<PatchMesh> primary, deeper;
 
     void add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens);
-    /// Sets the instants of `field` to these surfaces.
+    /// Makes `field` draw these surfaces.
     void show(PatchField& field) const;
 };
 
@@ -48,13 +48,13 @@ inline constexpr double most_surface_bytes_of_record = 400;
 class FieldStrips {
   public:
     /// Keeps references to its arguments.
-    /// - `views`: the lens points of the image, without surfaces
+    /// - `views`: the settings and lens points of the image; its surfaces are not used
     /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
-    /// Returns the surfaces that reach the raster rows [y_begin, y_end).
+    /// Returns the surfaces that some lens point sees in the raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
     /// Visits all surfaces of a recorded instant, in several parts and in any order. Only one thread at a
     /// time calls `visit`.
@@ -79,7 +79,7 @@ class FieldStrips {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
     };
-    /// A row of squares of the raster.
+    /// A row of raster squares, each 16 px wide.
     struct Row {
         Reach near;  ///< range of rows that the surfaces reach that are not kept
         std::vector<Far> far;

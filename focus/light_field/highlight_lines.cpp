@@ -132,7 +132,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
     Randoms random(seed);
     const int lines_wanted = passing.empty() ? count : passing_lines * count;
     for (int n = 0; n < lines_wanted; ++n) {
-        // Choose sources in proportion to their light.
+        // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
             // A sharp moving highlight was selected. The ray is random, because rays to recorded positions

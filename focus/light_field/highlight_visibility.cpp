@@ -90,8 +90,6 @@ class FieldHighlights::OverViews final : public Lights {
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Returns the fraction of lens points that see a highlight from the pixel centre `at`, in image px.
-    /// Tests lens points near its light's path or, if sharp, all over the lens.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,

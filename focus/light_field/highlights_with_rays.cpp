@@ -48,7 +48,6 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     const int reach = static_cast<int>(std::ceil(blur_px / SheetMesh::square_px));
     double area_px2 = 0;
     for (int column = x - reach; column <= x + reach; ++column) {
-        // The squares of a column are neighbours in the map.
         const auto end = all.upper_bound({path, parent_id, id, column, y + reach});
         for (auto square = all.lower_bound({path, parent_id, id, column, y - reach}); square != end; ++square)
             area_px2 += static_cast<double>(square->second.area_px2);

@@ -21,8 +21,8 @@ class HighlightMotion {
     /// Largest total area, in px^2, of the moving highlights of a surface (within 16 x 16 px) that are
     /// blurred into streaks. Larger ones already look like streaks in the mean of the reprojected images.
     static constexpr float largest_px2 = 64;
-    /// Highlights become streaks only if their radiance exceeds the limit for highlights by this. The motion
-    /// of dimmer ones already looks smooth in the mean of the reprojected images.
+    /// Highlights become streaks only if their radiance exceeds the limit for highlights by this. Dimmer ones
+    /// already look smooth in the mean of the reprojected images.
     static constexpr float least_radiance = 3;
 
     /// Returns how an object moves from the recorded instant to the instant at which the fraction `u` (0 to
@@ -39,7 +39,7 @@ class HighlightMotion {
     /// Returns whether a moving highlight is blurred into a streak. `area_px2` is the area of all highlights
     /// of its surface (BrightSheet::area_px2).
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
-    /// A highlight at one instant.
+    /// A moving highlight at one instant of the exposure.
     struct Moment {
         Highlight light;   ///< as seen at the instant
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present

@@ -20,7 +20,7 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Returns the fraction of the cells that show a single surface.
+    /// Returns the fraction of the image's squares that show a single surface.
     [[nodiscard]] double share() const;
     /// Returns whether all cells that overlap a rectangle of the image show a single surface each.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;

@@ -67,7 +67,7 @@ class DepthLevels {
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }
-    /// Radius of each level, in px.
+    /// CoC radius of each depth level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
     /// Returns the number of levels for finite depths, or nothing if the levels are those of LevelTable.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }

@@ -176,7 +176,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         // Needs no lock, because the table of kernel numbers no longer changes.
         return number_of_key_.at(key.packed());
     }
-    // Most keys already have a number, which needs no lock.
+    // Needs no lock for most blur kernels, because they already have a number.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
@@ -259,7 +259,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Keys that became equal by rounding (KernelKey::coarsen) share one kernel.
+    // Computes one blur kernel for all keys that became equal by rounding (KernelKey::coarsen).
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

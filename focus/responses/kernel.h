@@ -64,7 +64,7 @@ struct ResponseRequest;
 
 /// Identifies a kernel: the shape of the impulse response and the subpixel position of its centre.
 struct KernelKey {
-    /// Subpixel positions are rounded to 1/16 px.
+    /// The centres of blur kernels are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
     /// The semi-axes of blur ellipses are rounded to multiples of this step, in px. The outline then has an
     /// error of at most an eighth of a pixel.
@@ -73,7 +73,7 @@ struct KernelKey {
     /// because their brightness depends on the size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
-    /// Larger ellipses are scaled down to this size.
+    /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
 
     bool is_disc = true;
@@ -165,13 +165,13 @@ class KernelTable {
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
-    /// Returns the ellipse of a key, for a round aperture.
+    /// Returns the blur ellipse that a key stands for, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
     /// Returns the 2x2 matrix from the aperture to px that a key stands for, for apertures that are not
     /// round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
-    /// Returns the approximate memory of a key's kernel, in bytes.
+    /// Returns the approximate memory that a blur kernel needs, in bytes.
     [[nodiscard]] std::size_t bytes_of(const KernelKey& key) const;
 
   private:

@@ -14,12 +14,12 @@ namespace postlens {
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
-    /// Larger CoCs use the level of this diameter.
+    /// Largest CoC diameter, in px. Larger ones are reduced to it.
     static constexpr double largest_diameter_px = 2e5;
 
     [[nodiscard]] static const LevelTable& the();
 
-    /// Returns the diameter of a level, in px.
+    /// Returns the CoC diameter of a depth level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
     /// Computes the depth level nearest to a CoC diameter without the lookup table. `diameter_px` must be
     /// finite; its sign is ignored.
@@ -31,7 +31,7 @@ class LevelTable {
         if (!(wide_px < end_px)) return nearest_level(wide_px);
         return level_in(static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px)), wide_px);
     }
-    /// Computes level_of for the CoC of each inverse depth, in 1/m.
+    /// Computes level_of for the circles of confusion at several inverse depths, in 1/m.
     void levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m, std::size_t count,
                    std::uint32_t* level) const;
 

@@ -40,7 +40,7 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Returns whether turning the aperture by 180 degrees does not change the blur.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
-    /// Returns whether responses depend on the position in the image.
+    /// Returns whether the blur depends on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
     /// Width, in px, of the squares of the image in which all samples at one depth share one blur kernel. 0
     /// means the whole image. `map_px` converts lens points to px.
@@ -53,7 +53,7 @@ class ResponseModel {
     }
     /// Returns the displacement, in px, of rays through the rim of the lens by spherical aberration.
     [[nodiscard]] virtual double spherical_px() const { return 0; }
-    /// Returns the radius outside which the response is 0, in px.
+    /// Returns the radius, in px, outside which the blur kernel is 0.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the largest distance, in px, over which the light of a scene point is spread. `radius_px` is
     /// the signed radius of its circle of confusion.

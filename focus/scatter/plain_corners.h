@@ -25,13 +25,13 @@ namespace postlens {
 /// The plain corners of some rows, one element per pixel corner, row by row. They have weight 1. Corners on
 /// the border of the raster are never plain.
 struct PlainCorners {
-    /// 1/z' of the corner at each column, in 1/m, or `not_plain`.
+    /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
     /// All samples that are not stored compactly, as indices into PointSamples::samples. Those of row i are
     /// [other_begin[i], other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
-    /// Summary of the plain corners in a row.
+    /// Summary of the samples that are stored for a row.
     struct Row {
         /// Smallest and largest 1/z' of the row's samples at a finite depth, in 1/m. Without any, the
         /// smallest is larger than the largest.

@@ -31,7 +31,7 @@ void add_points(const PointPass& pass) {
     for (std::size_t i = 0; i < pass.count; ++i) {
         const Splat& s = pass.splats[i];
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
-        // Column of the anchor, relative to the block.
+        // Column of the kernel's centre, relative to the block of pixels.
         const int x = s.x - pass.rows.x_begin;
         if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
         const FourDoubles value = {static_cast<double>(s.r), static_cast<double>(s.g),

@@ -16,7 +16,7 @@ namespace postlens {
 /// yield it. With float, every bright sample would leave a rounding error to its right, so sums use double.
 class PointScatter {
   public:
-    /// `channel` selects the kernels if each colour channel has its own.
+    /// `channel` selects the blur kernels if each colour channel has its own.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 

@@ -45,7 +45,7 @@ class RunScatter {
                 static_cast<std::size_t>(row)) *
                strip_width;
     }
-    /// A run prepared for filtering.
+    /// Adjacent samples with the same disc, prepared for filtering.
     struct LaidRun;
     void lay_run(const SplatRun& run, int y);
     void lay_line(LaidRun& laid, int channel, int line_end);

@@ -89,7 +89,7 @@ class SplatTables {
     /// Leaves pixels partly black where weights add up to less than 1. `most` is the largest fraction of each
     /// pixel that may be empty, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
-    /// Builds the kernels. Call it after the last row.
+    /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
     /// Prepares for an image that is computed in groups of rows. Call it before the first row is added. Rows
@@ -112,8 +112,8 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only samples whose
-    /// left or right neighbour has the same disc are valid.
+    /// Returns one colour channel (0 to 2) of the samples at the pixel corners of row y. Only valid in runs
+    /// of adjacent samples with the same disc (SplatRun).
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
@@ -136,7 +136,7 @@ class SplatTables {
     /// Returns the largest CoC diameter of directly visible surfaces at a finite depth, in px. It is not
     /// rounded to a depth level.
     [[nodiscard]] double largest_coc_px() const;
-    /// Returns the number of different radii of discs in use.
+    /// Returns how many different radii the discs have that blur the samples.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Returns whether any sample has a negative colour. If not, negative pixel values are rounding errors.
     [[nodiscard]] bool any_negative() const { return any_negative_; }

@@ -116,7 +116,7 @@ class StripRows {
     }
 
   private:
-    /// Memory limit of all kept items, in bytes.
+    /// Memory limit, in bytes, for the samples that are kept because their blur reaches far.
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {

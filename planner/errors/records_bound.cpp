@@ -32,7 +32,6 @@ class Ranges {
                 for (std::size_t c = 0; c < 3; ++c) to[c].add(image.pixel(x, y)[c]);
             }
         }
-        // The ranges are extended along rows first, then along columns.
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }

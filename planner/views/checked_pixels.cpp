@@ -54,7 +54,7 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
     const int checked = random_rays_ ? std::max(8, count / 4) : 2;
-    // Consecutive lens points are well distributed over the lens.
+    // Checks consecutive lens points, because they are well distributed over the lens.
     for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
                                                  static_cast<std::uint64_t>(count)));

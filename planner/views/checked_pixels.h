@@ -34,7 +34,7 @@ class CheckedPixels {
             stating;  ///< indices in the block of this pixel and of the pixel that states the error
     };
     [[nodiscard]] Place place_of(int x, int y) const;
-    /// Number of pixels of a block.
+    /// Number of pixels in a block, of which two are checked.
     [[nodiscard]] std::uint64_t pixels() const {
         return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
     }

@@ -37,7 +37,7 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// Returns half 0 or 1, as drawn so far.
+    /// Returns the mean over the lens points of half 0 or 1, as far as drawn.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
