@@ -27,7 +27,7 @@ struct HybridSettings {
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects, in each half of the lens points, those from which a pixel is compared with rays
+    /// Selects the lens points from which a pixel is also traced by rays, to compare rays and samples
     /// (FieldViews::checked). Only used with a scene. HybridResult::stated then stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };

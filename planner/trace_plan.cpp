@@ -184,7 +184,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
     // Hidden surfaces are traced up to reach_px + margin_px from an edge. In the preview, the margin is
-    // `coarser` times as wide, so the count is scaled down.
+    // `coarser` times as wide, so its number of hidden surfaces is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;

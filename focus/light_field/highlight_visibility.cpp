@@ -100,8 +100,8 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// For moving highlights, the exposure is divided into `spans` equal intervals, each with its own list of
-    /// nearest lens points. The whole exposure counts as a distance of `lens_radii_of_open` lens radii.
+    /// For moving highlights, each of `spans` equal intervals of the exposure has its own list of nearest
+    /// lens points. Distance in time counts, too: the whole exposure as `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -195,8 +195,7 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // Chooses the brightest groups of highlights for exact visibility tests. A test costs the fraction of the
-    // tile that the group's blur covers, but at least least_cost.
+    // Chooses the brightest groups of highlights for exact visibility tests, within a limited total cost.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };

@@ -160,8 +160,8 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
-    /// that was not requested refers to an arbitrary kernel.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. Discs that were not
+    /// requested have a number, too, but an arbitrary kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

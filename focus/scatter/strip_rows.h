@@ -27,7 +27,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the file's rows; rows that are never added are read again each time
+    /// - `source`: window of the file's rows; rows that were never added are read for every group of image
+    ///   rows
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),

@@ -37,8 +37,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
 /// Adds the lens and shutter of the image to the settings of the trace, which then records what they need.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // In a trace, the f-number is relative to the film distance instead of the focal length. The diameter
-        // of the aperture stays the same.
+        // In a trace, the f-number is relative to the film distance instead of the focal length. Converts it
+        // for the same aperture diameter.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

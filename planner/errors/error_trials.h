@@ -13,8 +13,8 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// If this trial corrects a pixel, it states the cause of the error, and later trials are ignored. They
-    /// remove several limits at once, so they cannot show a single cause.
+    /// Whether this trial alone shows the cause of a pixel's error that it corrects. Later trials remove
+    /// several limits at once, so they cannot show a single cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
