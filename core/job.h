@@ -42,7 +42,7 @@ class Job {
     Job& operator=(Job&&) = delete;
 
     /// Returns the job that the calling thread works for. Outside of every `JobScope`, it is the default job
-    /// of the process, which has one thread per core and does not report progress.
+    /// of the process, with one thread per core and no progress reports.
     [[nodiscard]] static Job& current();
 
     /// Cancels the job: its work throws Error(interrupted) at the next check. Any thread and any signal

@@ -125,9 +125,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// from the differences between independent sets of views.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // Smallest total number of views (images from single lens points) that are compared. With fewer, the
-    // noise could seem too small by chance, and over a large area, because pixels of the same depth use the
-    // same lens points.
+    // Smallest total number of images from single lens points that are compared. With fewer, the measured
+    // noise could be too small by chance.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

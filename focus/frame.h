@@ -56,15 +56,14 @@ class FocusFrame {
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// Returns the surfaces at a recorded instant, divided into squares of 16 x 16 px. The result is valid
-    /// until the next call for the same instant.
-    ///
+    /// until the next call for this instant.
     /// - `rule` selects highlights; rule.above must be the same in all calls
     /// - `also` receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for each pixel of at least the rows [y_begin, y_end), the largest w_bend of its samples.
-    /// w_bend is how nonlinearly an image in a mirror or glass moves over the lens.
+    /// Returns the largest w_bend of each pixel, at least in the rows [y_begin, y_end). w_bend is how
+    /// nonlinearly a surface's image moves over the lens.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

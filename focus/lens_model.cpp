@@ -28,8 +28,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // Width of the squares of the image in which all samples share one blur kernel. Within a square, the
-        // kernel changes invisibly: by at most half a pixel or 2 % of its radius.
+        // All samples in a square of the image share one blur kernel. The square is so small that the kernel
+        // changes by at most half a pixel or 2 % of its radius.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -73,8 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Inverse depth of a sample in 1/m: the mean of the diagonal of its 2x2 matrix W. `map_px` is gain R (I/s
-    // - W), with gain = film distance in px, R = aperture radius, s = focus distance.
+    // Inverse depth of a sample in 1/m: the mean of the diagonal of its matrix W. `map_px` is gain R (I/s -
+    // W), with film distance gain in px, aperture radius R and focus distance s.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -37,8 +37,8 @@ struct HybridResult {
     /// Fraction of the pixels of the image or crop that the method `scatter` computed. Set only without a
     /// scene.
     double scattered_share = 0;
-    /// Fraction of the pixels of the image or crop that need a new trace: much of their light is not in the
-    /// file, or reprojected to wrong positions. Set only without a scene.
+    /// Fraction of the pixels of the image or crop that need a new trace, because light is missing or
+    /// reprojected to wrong positions. Set only without a scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;

@@ -96,7 +96,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
                 // At level L of the quadtree, an edge crosses 2^L cells of a pixel, of 4^-L px^2 each. The
-                // variance of the light is proportional to the sum of their squared areas, 2^-3L.
+                // light's variance is proportional to their summed squared areas, 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)

@@ -185,9 +185,8 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel on the way, until
-    /// it returns true. Ends where no circle of confusion can touch that of the first pixel, whose radius is
-    /// `blur_px`.
+    /// Steps from a pixel in a direction and calls `take` for each pixel on the way, until it returns true.
+    /// Ends where circles of confusion can no longer touch that of the first pixel.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -250,8 +249,8 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Sets `steps` to the distance in pixels from each pixel to the next depth edge in direction `d`, or to
-    /// 0 if there is none. Beyond a depth edge, the surface is farther away.
+    /// Sets `steps` to the distance, in px, from each pixel to the next edge beyond which the surface is
+    /// farther away, or to 0 if there is none.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;

@@ -27,8 +27,8 @@ class StackLights {
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
     /// Converts the samples of a pixel in column `x` to light and appends it to `out`.
-    /// - `fills`: whether the last sample counts as opaque, because only empty space lies behind it
-    /// - `open`: transmittance of all samples together (transmittance_behind)
+    /// - `fills`: whether the last sample counts as opaque
+    /// - `open`: transmittance of all samples together
     /// - `behind`: the estimated surface behind the samples, or null
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);

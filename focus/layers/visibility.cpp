@@ -28,8 +28,8 @@ struct OverLens {
     /// - `sum`: amount of light
     /// - `moment`: sum of light times the lens point that it passes through
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // Mean over the lens of light S times transmittance E, which are linear functions of the lens point:
-        // s e + 4 s_q . e_q, with the means s, e and the slopes s_q, e_q.
+        // Mean over the lens of light S times transmittance E, both linear functions of the lens point: s e +
+        // 4 s_q . e_q, with means s, e and slopes s_q, e_q.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -153,8 +153,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits how unevenly the uncovered part can lie on the lens. A part of the area A (fraction of the
-        // lens) has a first moment of at most A (1 - A).
+        // Limits how unevenly the uncovered part lies on the lens. The first moment of a part of area A
+        // (fraction of the lens) is at most A (1 - A).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

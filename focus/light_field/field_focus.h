@@ -35,8 +35,8 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels are left out where the method `scatter` is exact: nothing moves, and all lens points
-    /// see the same surface. They must make up at least this share of the image.
+    /// If set, pixels are left out where the method `scatter` is exact, because all lens points see one
+    /// surface at rest. They must make up at least this fraction of the image.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are

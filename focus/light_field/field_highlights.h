@@ -35,11 +35,10 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the light that the highlights add to the image of one set of lens points. Keeps a reference to
+    /// Returns the light that highlights add to the image of one set of lens points. Keeps a reference to
     /// this object.
     /// - `set`: number of the set, and random seed
-    /// - `instants`: for each lens point, the fraction of the exposure that has passed; may be empty if
-    ///   nothing moves
+    /// - `instants`: for each lens point, the fraction of the exposure that has passed, or empty
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
@@ -54,7 +53,7 @@ class FieldHighlights {
   private:
     class OverViews;
     /// A square highlight that is merged with its neighbours into one light source.
-    /// - `at`: centre of the square, in px relative to the light source
+    /// - `at`: centre of the square relative to the light source, in px
     /// - `area_until`: summed area of the highlights up to this one, in px^2
     struct SourcePart {
         glm::vec2 at{0};

@@ -75,8 +75,8 @@ class FieldHighlights::OverViews final : public Lights {
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Finds the three lens points nearest to each of `edge` x `edge` cells over the lens, in lens radii.
-    /// away2(i) is added to the squared distance of lens point i, for its distance in time.
+    /// Finds the three lens points nearest to each of `edge` x `edge` cells over the lens. away2(i) is the
+    /// squared distance of lens point i in time, which is added.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -229,9 +229,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which visibility is tested. It differs between:
-    // - groups of highlights, so that not all miss the same nearer surface
-    // - sets of lens points, so that the difference of their images shows the error
+    // Random offset of the positions at which visibility is tested. It differs between groups of highlights,
+    // so that not all miss the same nearer surface, and between sets of lens points.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +

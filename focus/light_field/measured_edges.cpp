@@ -65,10 +65,8 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels that an edge of the highlights may cross, to measure them with rays. Omits partly
-    /// hidden highlights, which rays through the pinhole miss.
-    ///
-    /// Unless the highlights are small, also omits mirrors, glass, and pixels with more samples than rays.
+    /// Returns the pixels that an edge of the highlights may cross, to measure them with rays. Leaves out
+    /// what such rays cannot improve, for example partly hidden highlights.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
     /// Returns the part of a pixel that may be bright, according to the samples in it and in its eight
     /// neighbours.

@@ -19,7 +19,7 @@ namespace postlens {
 class HighlightMotion {
   public:
     /// Largest total area, in px^2, of the moving highlights of a surface (within 16 x 16 px) that are
-    /// blurred into streaks. Larger ones already look like streaks in the mean of the reprojected images.
+    /// blurred into streaks. Larger ones already look like streaks without this.
     static constexpr float largest_px2 = 64;
     /// Highlights become streaks only if their radiance exceeds the limit for highlights by this. Dimmer ones
     /// already look smooth in the mean of the reprojected images.
@@ -45,18 +45,14 @@ class HighlightMotion {
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Returns at how many instants a moving highlight is drawn to give a continuous streak: a power of two
-    /// up to `most_moments`, or 1 without motion.
-    ///
-    /// Between two instants, it may move and grow by half a pixel or, if its CoC radius is above 2 px, by a
-    /// quarter of the radius.
+    /// Returns at how many instants a moving highlight is drawn: a power of two up to `most_moments`, or 1
+    /// without motion. Between two instants, it may move and grow by half a pixel or, if larger, a quarter
+    /// of its CoC radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` instants, spread evenly over the exposure. Omits instants at which
-    /// its light cannot reach the image. Without motion, returns one element with u = -1.
-    ///
-    /// `turned` shifts the instants differently for neighbouring highlights, so that their common streak
-    /// needs fewer.
+    /// Returns the highlight at `count` instants, spread evenly over the exposure and, if `turned`, shifted
+    /// differently for neighbours. Omits instants at which its light misses the image. Without motion,
+    /// returns one element with u = -1.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

@@ -20,8 +20,8 @@ double clamped_radius_px(double diameter_px) {
 /// Returns how many levels with equal steps of z' round the CoC diameter to half of linear_step_px. The near
 /// end decides, where the CoC diameter changes most.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // With the nearest depth z and half a step h, rounding z + h to z changes the CoC diameter by gain (1 / z
-    // - 1 / (z + h)). This must be linear_step_px / 2.
+    // Rounding z + h to z changes the CoC diameter by gain (1 / z - 1 / (z + h)), where z is the nearest
+    // depth and h half a step. This must be linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;

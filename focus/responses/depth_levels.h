@@ -42,8 +42,8 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but small enough
-    /// for the disc to lie within one pixel.
+    /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but the disc lies
+    /// within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
     /// Largest CoC radius, in px; larger ones are reduced to it. A disc of this radius adds less than 1e-10
     /// of a sample's light to any pixel.

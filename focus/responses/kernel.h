@@ -66,11 +66,9 @@ struct ResponseRequest;
 struct KernelKey {
     /// The centres of blur kernels are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// The semi-axes of blur ellipses are rounded to multiples of this step, in px. The outline then has an
-    /// error of at most an eighth of a pixel.
-    ///
-    /// Fineness k divides the step by 4^k. Highlights smaller than fineness_below_px[k] use k = 1 or 2,
-    /// because their brightness depends on the size.
+    /// Sizes of blur ellipses are rounded to multiples of this step, in px, or of step / 4^k with fineness k.
+    /// Highlights smaller than fineness_below_px[k] use k = 1 or 2, because their brightness depends on the
+    /// size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.

@@ -61,8 +61,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Converts lens points, in lens radii, to the displacement of the sample's image, in px. It is scale (s -
-    // W), with the sample's 2x2 matrix W and the inverse focus distance s; glm matrices are column-major.
+    // Displacement of the sample's image, in px, per lens radius: scale (s - W), with the sample's 2x2 matrix
+    // W and the inverse focus distance s. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -64,8 +64,8 @@ class NodeResponses {
     /// Returns the fraction of a sample's light that the lens transmits, by which its colour and weight are
     /// multiplied. It is 1 if one kernel serves the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Returns the fraction of the lens that transmits light to the pixel (x, y) of the image `window`
-    /// (vignetting). A pixel that was divided by its sum of weights must be multiplied by it.
+    /// Returns the fraction of the lens that transmits light to a pixel of the image (vignetting). A pixel
+    /// that was divided by its sum of weights must be multiplied by it.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

@@ -73,8 +73,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The inverse depth 1/z' is the mean of the diagonal of the sample's 2x2 matrix W. `map_px` is
-            // gain R (I/s - W), with gain = film distance in px, R = aperture radius, s = focus distance.
+            // The inverse depth is the mean of the diagonal of the sample's matrix W. `map_px` is gain R (I/s
+            // - W), with film distance gain in px, aperture radius R and focus distance s.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

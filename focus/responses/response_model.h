@@ -42,8 +42,8 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether the blur depends on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Width, in px, of the squares of the image in which all samples at one depth share one blur kernel. 0
-    /// means the whole image. `map_px` converts lens points to px.
+    /// Width, in px, of the squares of the image in which all samples at one depth share one blur kernel; 0
+    /// for the whole image. `map_px` converts lens points to px.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance of the lens for a scene point at `place_px` from the image's centre, from 0
     /// to 1.

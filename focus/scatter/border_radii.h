@@ -16,8 +16,8 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// If a sample lies on the border of the traced area, raises the blur radius stored at its position to
-    /// `radius_px`. `y` is the sample's row of pixels. Several threads may add different rows.
+    /// If a sample in row `y` lies on the border of the traced area, raises the blur radius stored there to
+    /// `radius_px`. Several threads may add different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// If corners of the pixel (x, y) lie on the border of the traced area, raises the blur radii stored
     /// there to `radius_px`.

@@ -31,8 +31,8 @@ class RunScatter {
     /// of the image. Returns false if there are none.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of a channel in row y of the strip with this number, which is `strip_width` columns
-    /// wide. Channels 0 to 2 are colours, channel 3 is the weight.
+    /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to
+    /// 2 are colours, channel 3 is the weight.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

@@ -37,8 +37,8 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// Adds the blur kernel of one surface point of a sample. `rgb` and `weight` are multiplied by the
-    /// sample's weight. `weight` is 0 for reflected and transmitted light, so that a sample counts once.
+    /// Adds the blur kernel of one surface point of a sample. Colour and weight include the sample's weight.
+    /// `weight` is 0 for reflections and refractions, so that a sample counts once.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {

@@ -96,9 +96,8 @@ class SplatTables {
     /// added before finish() only determine which blur kernels are needed.
     void survey() { keep_ = Keep::none; }
     /// Starts a group of rows of the image, the window `part`. Returns the ranges of sample rows [begin, end)
-    /// to add again before finish_strip(), in this order.
-    ///
-    /// Call it after finish(), once for each group. The height of a group must be a multiple of `block_px`.
+    /// to add again before finish_strip(). Its height must be a multiple of `block_px`. Call it after
+    /// finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Returns the number of samples whose blur reaches the rows of blocks [begin, end). Call it after the

@@ -115,8 +115,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Assumes smooth shading of the form a x^2 + b y^2 + c x y, of which the corners only show c. The mean of
-    // the corners is wrong by (a + b) / 6, with a = b = c / 2 assumed.
+    // Assumes smooth shading a x^2 + b y^2 + c x y. The mean of the corners is wrong by (a + b) / 6. The
+    // corners only show c, so a = b = c / 2 is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

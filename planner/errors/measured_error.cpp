@@ -282,9 +282,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean of both halves. Each has n rays, stratified in four dimensions,
-            // whose mean at the outline of a light source has n^(-1 - 1/4) times the variance of one ray
-            // [mitchell1996].
+            // Standard deviation of the mean of both halves. Each has n stratified rays, whose mean at the
+            // outline of a light source has n^(-5/4) times the variance of one ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

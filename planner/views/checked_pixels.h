@@ -20,11 +20,11 @@ class CheckedPixels {
     /// lamp has an extent.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the indices of the lens points from which pixel (x, y) is compared with a ray, out of [first,
-    /// first + count) of a set. They are relative to `first`.
+    /// Appends the lens points from which pixel (x, y) is compared with a ray, out of [first, first + count)
+    /// of a set, as indices relative to `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Returns the probability with which pixel (x, y) is selected to check its highlights by rays, or 0 if
-    /// it is not selected. It increases with `views`, the number of lens points.
+    /// Returns the probability with which the highlights of pixel (x, y) are selected to be checked by rays,
+    /// or 0 if they are not. It increases with `views`.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

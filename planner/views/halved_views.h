@@ -28,8 +28,8 @@ class HalvedViews {
     /// Adds lens points, in two halves, until each tile of `grid()` has `views[tile]`. Half 0 may have one
     /// more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// From now on, rays replace all samples in the tiles whose entry in `tiles` is not 0, and also the
-    /// highlights if `what` says so. Returns whether a tile was redrawn.
+    /// From now on, rays replace all samples in the tiles whose entry in `tiles` is not 0, and highlights if
+    /// `what` says so. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
