@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Runs every command of a tutorial, in order, in a folder where the source tree is read only by name.
+# Runs every command of a tutorial, in order, in a folder where the source tree is read only by name. Sizes and positions
+# of pixels are divided by three, because the time of most commands is proportional to the number of pixels.
 #
 #   tutorials_test.sh SOURCE BUILD TUTORIAL.md FILE...     FILE: what the commands must have made
 set -euo pipefail
@@ -18,7 +19,8 @@ if [[ $tutorial == *blender.md ]]; then
     "$build/bench/foreign_export" bars.exr shot.exr most cryptomatte
 fi
 
-sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$tutorial" >commands.sh
+sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$tutorial" |
+    perl -pe 's{(--size|--focus-at|--at) (\d+)([x,])(\d+)}{"$1 " . int($2 / 3) . $3 . int($4 / 3)}ge' >commands.sh
 [[ -s commands.sh ]]
 bash -euo pipefail commands.sh
 for file in "$@"; do
