@@ -20,8 +20,9 @@ def traced(scene, path, size):
 
 @pytest.fixture(scope="session")
 def frame(tmp_path_factory):
-    # The name has a space, for what is copied as a command.
-    return traced(SCENE, str(tmp_path_factory.mktemp("frame") / "a frame.exr"), "240x135")
+    # Of few pixels, because most tests of the page wait for the best picture. The name has a space, for what is copied as a
+    # command.
+    return traced(SCENE, str(tmp_path_factory.mktemp("frame") / "a frame.exr"), "120x68")
 
 
 @pytest.fixture(scope="session")

@@ -125,9 +125,9 @@ def test_a_picture_has_the_values_of_the_command(viewer, frame, tmp_path):
     assert answer.status == 200
     length = struct.unpack_from("<I", body)[0]
     report = json.loads(body[4 : 4 + length])
-    assert (report["width"], report["height"], report["views"]) == (240, 135, 16)
+    assert (report["width"], report["height"], report["views"]) == (120, 68, 16)
     halves = body[(4 + length + 3) // 4 * 4 :]
-    assert len(halves) == 240 * 135 * 3 * 2
+    assert len(halves) == 120 * 68 * 3 * 2
     out = tmp_path / "x.exr"
     subprocess.run([PROGRAM, "focus", frame, "-o", out, "--f-number", "2", "--focus", "3", "--method", "lightfield", "--views",
                     "16", "--quiet"], check=True)  # fmt: skip
@@ -191,7 +191,7 @@ def test_a_coarse_picture_has_a_shutter(tmp_path):
 
 
 def test_a_coarse_picture_of_a_small_frame_has_its_pixels(frame):
-    assert coarse_width(frame, "method=lightfield&views=4&f-number=2&focus=3") == (240, 1)
+    assert coarse_width(frame, "method=lightfield&views=4&f-number=2&focus=3") == (120, 1)
 
 
 @pytest.mark.parametrize("query", [
@@ -231,7 +231,7 @@ def test_rays_show_what_the_frame_shows(frame, tmp_path):
 
 
 def test_pixels(viewer):
-    _, body = get(viewer, viewer.path + "pixel?x=120&y=70&f-number=2&focus=5")
+    _, body = get(viewer, viewer.path + "pixel?x=60&y=35&f-number=2&focus=5")
     nodes = json.loads(body)["nodes"]
     assert abs(sum(n["share"] for n in nodes) - 1) < 1e-9
     assert nodes == sorted(nodes, key=lambda n: -n["share"])
@@ -239,7 +239,7 @@ def test_pixels(viewer):
     for query in ("x=1e9&y=0", "x=nan&y=1", "y=1", "x=&y="):
         assert get(viewer, viewer.path + "pixel?" + query)[0].status == 400 or query == "x=1e9&y=0"
     answer, depths = get(viewer, viewer.path + "depths")
-    assert answer.status == 200 and len(depths) == 240 * 135 * 6
+    assert answer.status == 200 and len(depths) == 120 * 68 * 6
 
 
 def focus_at(picture, x, y, out):
@@ -291,7 +291,7 @@ def test_causes_of_the_error(viewer):
     report = json.loads(body[4 : 4 + length])
     found = body[(4 + length + 3) // 4 * 4 :]
     causes = report["causes"]
-    assert (report["width"], report["height"], len(found)) == (240, 135, 240 * 135)
+    assert (report["width"], report["height"], len(found)) == (120, 68, 120 * 68)
     assert 32 <= report["spp"] <= 1024 and report["seconds"] > 0
     assert causes[0]["name"] == "none" and causes[0]["error_share"] == 0 and len(causes) == 9
     assert len({tuple(cause["colour"]) for cause in causes}) == 9
