@@ -27,7 +27,7 @@ def frame(frame_path) -> postlens.Frame:
 
 @pytest.fixture(scope="session")
 def large_frame(bars) -> postlens.Frame:
-    return postlens.trace(bars, size=(960, 540), for_f_number=1.4, for_focus_m=2, overscan_px="auto")
+    return postlens.trace(bars, size=(960, 540))
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from conftest import SCENES
 def test_progress_is_called_in_this_thread(large_frame):
     calls = []
     large_frame.focus(
-        f_number=1.4, focus_m=2, method="lightfield", views=128,
+        f_number=1.4, focus_m=2, method="lightfield", views=32,
         progress=lambda share, left_s: calls.append((threading.get_ident(), share, left_s)),
     )  # fmt: skip
     assert calls[-1][1:] == (1, 0)
@@ -36,7 +36,7 @@ def test_what_progress_raises_comes_out(large_frame):
     started = time.monotonic()
     with pytest.raises(Stop):
         large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=4096, progress=stop)
-    assert time.monotonic() - started < 20  # the whole job takes a minute
+    assert time.monotonic() - started < 10  # the whole job takes half a minute on two cores
     # The frame is still usable.
     assert large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=8).shape == (540, 960, 3)
 
@@ -135,7 +135,7 @@ def test_a_thread_that_waits_for_its_turn_is_cancelled(large_frame):
     def alarm_when_it_waits():
         while not is_in_a_call():
             time.sleep(0.01)
-        time.sleep(0.1)  # the call cannot end meanwhile, as the other thread's takes a minute
+        time.sleep(0.1)  # the call cannot end meanwhile, as the other thread's takes half a minute
         signal.pthread_kill(waits, signal.SIGALRM)
 
     before = signal.signal(signal.SIGALRM, alarm)
@@ -171,7 +171,7 @@ def test_the_interpreter_goes_on_while_a_picture_is_made(large_frame):
     assert during > 5
 
 
-def test_a_thousand_pictures_take_no_more_memory():
+def test_many_pictures_take_no_more_memory():
     # A new process has no free memory of earlier frames, which a leak could fill unseen. The frame has few records,
     # because every picture reads all of them. With more threads, the heap of each grows during the first 2000 pictures.
     code = textwrap.dedent(f"""
@@ -186,12 +186,12 @@ def test_a_thousand_pictures_take_no_more_memory():
                 frame.focus(f_number=2, focus_m=2, method="scatter", depths=4, threads=1).array
         pictures(100)
         before = resident_bytes()
-        pictures(1000)
+        pictures(400)
         print(resident_bytes() - before)
         """)
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    # An image has 12 kB. If a sixth of the thousand images leaked, memory would grow by 2 MB. Measured: 0.
-    assert int(run.stdout) < 2e6
+    # An image has 12 kB. If a sixth of the 400 images leaked, memory would grow by 0.8 MB. Measured: 0.
+    assert int(run.stdout) < 8e5
 
 
 def test_import_is_light():

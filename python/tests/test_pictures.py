@@ -56,10 +56,10 @@ def test_what_is_stated_holds(frame, bars):
     picture = frame.focus(f_number=1.4, focus_m=2, method="auto", scene=bars, target_db=35)
     low, high = picture.stated_range_db
     assert low < picture.stated_db < high and picture.stated_db > 35
-    reference = postlens.render(bars, size=(96, 54), spp=4096, f_number=1.4, focus_m=2, seed=7)
+    reference = postlens.render(bars, size=(96, 54), spp=1024, f_number=1.4, focus_m=2, seed=7)
     measured = postlens.compare(picture, reference)
-    # The noise of 4096 rays per pixel adds at most 3 % to an error of 35 dB. The stated interval has a confidence of 95
-    # %. The margin of 1 dB covers both.
+    # The noise of 1024 rays per pixel adds at most 12 % (0.5 dB) to an error of 35 dB. The stated interval has a
+    # confidence of 95 %. The margin of 1 dB covers both.
     assert low - 1 < measured["psnr_db"] < high + 1
     assert frame.focus(f_number=2, focus_m=2).stated_db is None
 
