@@ -105,7 +105,7 @@ check_postlens() {
         [[ $word =~ ^(--?[A-Za-z][A-Za-z0-9-]*)(=.*)?$ ]] || continue
         option=${BASH_REMATCH[1]}
         [[ $option != --help ]] || continue
-        grep -qE -- "(^|[ ,[])$option([] ,=:]|\$)" <<<"$help" || complain "postlens${path[*]:+ ${path[*]}} has no option $option"
+        [[ $'\n'$help$'\n' =~ [[:space:],[]$option[][:space:],=:] ]] || complain "postlens${path[*]:+ ${path[*]}} has no option $option"
     done
 }
 
@@ -117,7 +117,7 @@ is_built() {
 check_command() {
     local words word split
     # xargs splits a line into words as a shell does, and interprets quotes.
-    if ! split=$(xargs -n 1 printf '%s\n' <<<"$1" 2>/dev/null); then
+    if ! split=$(xargs printf '%s\n' <<<"$1" 2>/dev/null); then
         complain "cannot be read as a command: $1"
         return
     fi
