@@ -32,7 +32,8 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh) {
-    // A side of a triangle. Sides are grouped by their lower end, so only the higher end is stored.
+    // A side of a triangle. Sides are grouped by the lower of their vertex indices, so only the higher one
+    // is stored.
     struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };
@@ -72,7 +73,7 @@ std::vector<MeshEdge> edges_of(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges) {
-    // Connected triangles form a tree whose root is the first of these triangles (union-find).
+    // Union-find: connected triangles form a tree whose root is the first of them.
     std::vector<std::uint32_t> parent(mesh.triangles.size());
     std::iota(parent.begin(), parent.end(), 0U);
     const auto root = [&](std::uint32_t t) {

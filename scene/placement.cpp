@@ -45,8 +45,7 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Only the directions of the columns determine the rotation.
-    // The loop below makes them perpendicular (polar decomposition).
+    // Starts a polar decomposition with unit columns, because only their directions determine the rotation.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

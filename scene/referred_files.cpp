@@ -7,7 +7,7 @@ namespace postlens {
 namespace fs = std::filesystem;
 
 std::optional<fs::path> inside_scene_folder(const fs::path& scene_path, const std::string& as_written) {
-    // The checks below test the whole name, but the operating system would read only the part before a NUL.
+    // Rejects names that contain a NUL, because the operating system would read only the part before it.
     if (as_written.empty() || as_written.find('\0') != std::string::npos) return std::nullopt;
     if (fs::path(as_written).is_absolute()) return std::nullopt;
     std::error_code error;

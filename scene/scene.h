@@ -36,9 +36,9 @@ struct Material {
     /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction, or infinity.
-    /// The tracer records the mean radiance over a lobe that is wider than the lens, as seen from the
-    /// surface. Otherwise, it follows the exact direction.
+    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction, or infinity
+    /// for none. The tracer averages over a lobe that is wider than the lens, as seen from the surface.
+    /// Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -46,7 +46,7 @@ struct Material {
     std::shared_ptr<const Texture> colour_texture;
     /// Texture that multiplies `emission`. Null means white.
     std::shared_ptr<const Texture> emission_texture;
-    /// If true, `colour_texture` and the colours of a mesh also multiply `emission`.
+    /// If true, `colour_texture` and the vertex colours of a mesh also multiply `emission`.
     bool emission_has_colour = false;
     /// Returns true if the material reflects rays at some angle.
     [[nodiscard]] bool reflects() const {
@@ -56,11 +56,11 @@ struct Material {
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
     }
-    /// Returns true if the radiance of the material depends on the lights.
+    /// Returns true if the radiance of the material depends on the light sources.
     [[nodiscard]] bool answers_lights() const {
         return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
     }
-    /// Returns true if the material reflects or transmits into a lobe of directions.
+    /// Returns true if the material reflects or transmits glossily, into a lobe of directions.
     [[nodiscard]] bool has_lobe() const {
         return (reflects() && std::isfinite(reflection_exponent)) ||
                (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
@@ -108,7 +108,7 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the motion, which replace world_from_object if there are any.
+    /// Keyframes of the object's motion, which replace world_from_object if there are any.
     /// The transform at time t is then key(t) * motion_base.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
@@ -129,7 +129,7 @@ struct Light {
         0;  ///< spot: full angle at which the fall-off begins; cone_degrees gives a hard edge
     /// factors a0, a1, a2 of the attenuation 1 / (a0 + a1 r + a2 r^2), where r is the distance in metres
     glm::dvec3 attenuation{1, 0, 0};
-    /// Size, in metres, of a light that has an extent and therefore casts penumbrae.
+    /// Size, m, of a light that is not a point and therefore casts soft shadows.
     double radius = 0;                ///< sphere
     glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
@@ -146,11 +146,11 @@ struct Camera {
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
     /// For a perspective camera, at most one of the next three is set.
-    /// `focal_length_mm` is also the film distance, as for a lens focused at infinity.
+    /// `focal_length_mm` is also the distance from lens to film, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
-    /// If true, the field of view is measured between the centres of the outermost pixels, as in NFF.
+    /// If true, the field of view is measured between the centres of the outermost pixels, as in NFF files.
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px

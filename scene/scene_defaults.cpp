@@ -40,7 +40,7 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
         centre = 0.5 * (box.min + box.max);
         radius = std::max(0.5 * glm::length(box.max - box.min), smallest_extent_m);
     }
-    // The camera is so far away that the bounding sphere of the box fits the height of the film.
+    // Places the camera so far away that the bounding sphere of the scene fits the height of the film.
     const double film_height_mm = camera.film_width_mm * camera.height / camera.width;
     const double half_angle = std::atan(0.5 * film_height_mm / *camera.focal_length_mm);
     camera.position = centre + radius / std::sin(half_angle) * from;

@@ -61,7 +61,8 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the lowest level of which at most `most_across` squares lie along each edge. Level 0 is texels.
+    // Finds the finest level on which at most `most_across` squares lie along each edge of the region.
+    // Level 0 is the texels.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;
@@ -71,8 +72,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Positions are wrapped or clamped as texels, and only then converted to squares.
-    // The last square of a row may contain fewer texels than the others, so squares cannot be wrapped.
+    // Wraps or clamps positions as texels, and only then converts them to squares.
+    // Squares cannot be wrapped, because the last square of a row may contain fewer texels than the others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

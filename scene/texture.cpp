@@ -17,7 +17,7 @@ namespace {
     const double quotient = d / size;
     const double cell = std::floor(quotient);
     // Rounding may have moved the quotient across a cell border, so the sign of the remainder decides.
-    // This sign is exact: c - offset is d + lost (Knuth's two-sum), and fma rounds only once.
+    // The sign is exact, because c - offset is d + lost (Knuth's two-sum), and fma rounds only once.
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -119,8 +119,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the bounding box to texels, counted from the upper left. Texel centres are at half-integers,
-    // so bilinear interpolation reads up to half a texel beyond the box.
+    // Converts the bounding box to texels, counted from the upper left corner. Texel centres are at
+    // half-integers, so bilinear interpolation reads up to half a texel beyond the box.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

@@ -16,7 +16,7 @@ namespace postlens {
 /// The cell of coordinate c is floor((c - offset) / size), without rounding error.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
-    /// length of a cell, in object-space metres or in (u, v); infinite if the axis has no borders
+    /// length of a checker cell, in object-space metres or in (u, v); infinite if the axis has no borders
     glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
@@ -48,7 +48,7 @@ class Texture {
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
     /// Returns the greatest channel value that `colour` can return.
     [[nodiscard]] double maximum() const { return maximum_; }
-    /// Returns the coordinates on which `colour` depends: uv, or the position in object space.
+    /// Returns the coordinates that determine the colour: uv, or the position in object space.
     [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
         return uses_uv() ? glm::dvec3(uv, 0) : object;
     }
@@ -57,8 +57,8 @@ class Texture {
         return colour(place, glm::dvec2(place));
     }
     /// Returns the range of all colours in the bounding box of two texture positions.
-    /// If these are half an image or more apart, a seam of the texture is assumed between them.
-    /// Only the colours at both positions are then included.
+    /// If the positions are half an image or more apart, a seam of the texture is assumed between them.
+    /// Then only the colours at the two positions are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -17,7 +17,7 @@ double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // Relative to the first corner, a polygon far from the origin loses no precision.
+    // Subtracts the first corner, so that a polygon far from the origin loses no precision.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);

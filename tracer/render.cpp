@@ -57,8 +57,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The halves differ only in their seeds, which are hashed: renders with neighbouring --seed share
-            // no half.
+            // Hashes the seed of each half of the samples, so that renders with neighbouring --seed values
+            // share no half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -68,15 +68,16 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks of samples of a pixel, and the number of groups in each block.
-    /// A group is up to 16 samples of one pixel, traced together.
+    /// Returns the number of blocks into which a pixel's samples are divided, and the number of groups per
+    /// block. A group is up to 16 samples of one pixel that are traced together.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks of samples [begin, end) that this run renders. With --share, these are not all blocks.
+    /// The blocks [begin, end) of each pixel's samples that this run renders. With --share, these are not
+    /// all blocks.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -102,13 +103,13 @@ class Renderer {
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Returns the number of finished samples per pixel of a tile. All its pixels have the same number.
+    // Returns the number of finished samples per pixel of a tile. It is the same for all pixels of the
+    // tile.
     [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
     }
 
-    // Returns the number of finished rounds of a tile. `tile` is an index into tiles_.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -118,7 +119,8 @@ class Renderer {
         return done;
     }
 
-    // Traces round `round` of the tiles in [begin, end). Tiles that have finished this round are skipped.
+    // Traces the next samples, up to 16 per pixel, of the tiles in [begin, end). Skips tiles that already
+    // have them.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {
@@ -141,7 +143,7 @@ class Renderer {
         return index(x, y);
     }
 
-    // Returns the upper left pixel of a tile, which is given by its index in the whole image.
+    // Returns the upper left pixel of a tile, which is given by its index among all tiles of the image.
     [[nodiscard]] std::pair<int, int> corner(std::size_t tile) const {
         return {static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px,
                 static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px};
@@ -169,7 +171,7 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // Each block is summed from 0 and then added to the total.
+            // Sums each block of samples from 0, and then adds it to the total.
             // A run with --share sums its blocks in the same order, so its result is bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
@@ -226,8 +228,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice is the group of tiles of one parallel loop. It should take 0.1 to 0.4 s.
-            // Shorter loops waste time on starting. Longer ones delay stopping and saving.
+            // Each parallel loop over a slice of the tiles should take 0.1 to 0.4 s.
+            // Shorter loops waste time on starting threads. Longer loops delay stopping and saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

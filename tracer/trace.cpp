@@ -87,7 +87,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // Also records the hidden surfaces that a lens sees past edges in the window `w`.
+    // Also records the hidden surfaces that a lens sees past edges, within the pixels `w`.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -107,7 +107,7 @@ class Instant {
     [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
     [[nodiscard]] const CameraModel& camera() const { return camera_; }
     /// Returns how surface points move on the raster from this instant to others of the shutter interval.
-    /// Null if there is no shutter.
+    /// Null if there is no shutter interval.
     [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
     [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
 
@@ -197,8 +197,8 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores one inverse depth (a float) per pixel, and a pyramid of its minima and maxima.
-    // The pyramid has two floats per square and 4/3 squares per pixel.
+    // Memory per pixel for the surfaces that a lens sees past edges: one inverse depth (a float), and a
+    // pyramid of minima and maxima, with two floats per square and 4/3 squares per pixel.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -307,7 +307,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The header describes this camera. The scene below is translated so that this camera is at the origin.
+    // The file's header describes this camera. The scene that is traced is translated so that the camera is
+    // at the origin.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -344,7 +345,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // The overscan must suffice for the motion from each key (recorded instant) to its two neighbours.
+    // The overscan must suffice for the motion between each recorded instant and its two neighbours.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s,
@@ -353,15 +354,16 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods blur motion from the records of the frame's own instant alone.
-    // The overscan of this instant must suffice for the whole shutter interval.
+    // Some methods blur motion from the frame's own instant alone, so its overscan must suffice for the
+    // whole shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree, so it must suffice for the narrow objects at every instant.
+    // All recorded instants share one quadtree, so it must be fine enough for the narrow objects at every
+    // instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

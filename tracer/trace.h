@@ -21,34 +21,33 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// If true and `for_f_number` is set, edges of objects are subdivided to at least `lens_levels` levels.
-    /// `subdivision.levels` then limits only the subdivision due to contrast.
+    /// If true and `for_f_number` is set, pixels are subdivided to at least `lens_levels` levels at edges
+    /// of objects. `subdivision.levels` then limits only the subdivision due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Value of `subdivision.levels` for methods that also trace rays where the records are too coarse.
-    /// docs/planner.md compares the times of other values.
+    /// Value of `subdivision.levels` for methods that trace additional rays where the samples are too
+    /// coarse. docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// Largest turn, degrees, of an object relative to the camera between two recorded instants if `keys` is
-    /// absent. Neither instant records a strip of a turning ball: at 15 degrees, 0.9 % of its radius (1 - cos
-    /// 7.5 degrees).
+    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, if `keys`
+    /// is absent. At 15 degrees, a strip of a turning ball is recorded at neither instant: 0.9 % of its
+    /// radius (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of light that changes between two recorded instants (light_keys). Used if `keys` is
-    /// absent. 43 dB is half of the squared error that 40 dB, the default of the method auto, allows.
+    /// Target PSNR, dB, of light that changes between two recorded instants, if `keys` is absent.
+    /// 43 dB is half of the squared error that 40 dB, the default of --method auto, allows.
     double light_db = 43;
     /// Value of `light_db` for methods that also trace rays. 12 dB less allows four times the RMS error.
-    /// This error grows with the square of the interval, so half as many instants suffice.
+    /// The error grows with the square of the interval, so half as many instants suffice.
     static constexpr double ray_light_db = 31;
-    /// Hidden surfaces that a lens or motion reveals only in strips up to this width, px, are not recorded.
+    /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
     /// Value of `narrow_strip_px` for methods that also trace rays.
-    /// Rays replace the leaves of edges, which are half a pixel to a pixel wide on each side.
+    /// Their rays replace the samples at edges of objects, half a pixel to a pixel on each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` from an f-number: `for_f_number`, else that of the camera, else
-    /// 1.4. With `for_f_number`, `bend_radius_m` (the lens radius for measuring `w_bend`) gets the same
-    /// value.
+    /// Its `lens_radius_m` is set by trace_to_file for the f-number `for_f_number`, or else the camera's,
+    /// or else 1.4. With `for_f_number`, `bend_radius_m` gets the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -62,13 +61,13 @@ struct TraceSettings {
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
     /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64. With 1, only the frame's own is
-    /// recorded. If absent, the motion and the changing light in `for_shutter` determine it.
+    /// recorded. If absent, it is chosen from the motion and the changing light in `for_shutter`.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
-    /// If set, only this share of the rows is traced (trace_share.h). Other rows contain rays that hit
+    /// If set, only this share of the rows is traced (trace_share.h). In all other rows, the rays hit
     /// nothing.
     std::optional<Share> share;
     /// If set, called before the trace with the predicted size of the file in bytes (expected_size.h).
@@ -80,13 +79,13 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of narrow objects that rays may miss, because they are narrower than the smallest cells or too
-    /// many. Without subdivision, all narrow objects count.
+    /// Number of objects that eye rays may miss, because they are narrower than the smallest cells or too
+    /// many. Without subdivision, counts all objects narrower than 1.5 px.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Set if `keys` was chosen from the scene: `keys_reason` explains the number.
+    /// Set if `keys` was chosen from the scene. `keys_reason` explains the number.
     /// `keys_sweep_degrees` is the angle by which an object or the camera turns.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;

@@ -124,7 +124,7 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // Returns a part of keyframe k: incoming tangent (0), value (1) or outgoing tangent (2).
+    // Returns the value of keyframe k (part 1), or its incoming (0) or outgoing (2) tangent.
     // Only cubic splines have tangents.
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};

@@ -88,13 +88,14 @@ class MaterialReader {
         return out;
     }
 
-    // Reads the emissive texture. If `has_uv`, `uv` already holds the texture coordinates of the base colour.
+    // Reads the emissive texture. If `has_uv`, `uv` holds the texture coordinates of the base colour.
     // An emissive texture with other coordinates is then replaced by its mean colour.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // Without it, the surface emits nothing: most of an emissive texture is usually black.
+            // If the texture cannot be read, the surface emits nothing, because most of an emissive texture
+            // is usually black.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {
@@ -120,7 +121,7 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // An index of refraction of 0 stands for a mirror at all angles, which is not supported.
+            // In glTF, an index of refraction of 0 means a mirror at all angles, which is not supported.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;

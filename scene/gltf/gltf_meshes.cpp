@@ -98,7 +98,7 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Strips join their parts by triangles without area, so these cause no note.
+        // Triangle strips are joined by triangles without area, so their removal causes no note.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }
@@ -123,7 +123,7 @@ class PrimitiveReader {
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
             // KHR_texture_transform scales, rotates and then offsets. On the image, where v points down,
-            // the rotation is counter-clockwise. In the mesh, v points up: it is 1 - v.
+            // the rotation is counter-clockwise. In the mesh, v points up, so it is 1 - v.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

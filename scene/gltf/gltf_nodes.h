@@ -30,9 +30,9 @@ class GltfNodes {
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-    /// Returns the placement of the animated node `frame` in the world at a time.
+    /// Returns the world placement of the animated node `frame` at a time.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// Returns the times of the keyframes of `frame` and of its animated ancestors, ascending.
+    /// Returns the keyframe times of the animated node `frame` and of its animated ancestors, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
     /// Returns the largest relative error of the placement of `frame`, over all its keyframes.
     /// It is caused by shear, which a placement (translation, rotation, scale) cannot represent.

@@ -58,7 +58,8 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // White and diffuse. glTF's default is a rough white metal, which authors rarely intend.
+            // Meshes without a material are white and diffuse. glTF's default is a rough white metal, which
+            // authors rarely intend.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;
@@ -202,7 +203,7 @@ class GltfReader {
         scene_.lights.push_back(std::move(light));
     }
 
-    // --camera selects a camera by its name, so names must be unique.
+    // Makes a camera's name unique, because --camera selects a camera by its name.
     [[nodiscard]] std::string unused_name(const std::string& name) const {
         std::string out = name;
         for (int n = 2; std::any_of(scene_.cameras.begin(), scene_.cameras.end(),

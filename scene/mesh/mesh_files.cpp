@@ -65,7 +65,7 @@ std::string as_utf8(std::string text) {
         const auto high = static_cast<unsigned char>(text[big ? i : i + 1]);
         const auto low = static_cast<unsigned char>(text[big ? i + 1 : i]);
         const std::uint32_t c = static_cast<std::uint32_t>(high) << 8 | low;
-        // Surrogates encode rare characters, which occur only in names, where '?' does no harm.
+        // UTF-16 surrogates encode rare characters, which occur only in names, where '?' does no harm.
         if (c >= 0xD800 && c < 0xE000) {
             out.push_back('?');
         } else {

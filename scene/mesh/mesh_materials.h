@@ -24,12 +24,12 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts a material. `pictures` contains the options of its texture images.
+    /// Converts an assimp material. `pictures` contains the options of its texture images.
     /// Throws Error(invalid_input) if the path of a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Reads a texture. Adds a note and returns null if the file cannot be read.
+    /// Reads a texture image. Adds a note and returns null if the file cannot be read.
     /// Throws Error(invalid_input) if the path leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file, bool clamp = false);
 

@@ -99,7 +99,7 @@ class OptionReader {
   public:
     OptionReader(std::string_view words, SceneNotes& notes) : rest_(words), notes_(notes) {}
 
-    // Reads the options into `out`. Returns the rest of the line, the file name.
+    // Reads the options that precede a texture's file name into `out`. Returns the file name.
     std::string_view read(PictureOptions& out) {
         while (rest_.starts_with('-')) {
             const std::string option = lower_case(std::string(take_word()));
@@ -140,7 +140,8 @@ class OptionReader {
         return out;
     }
 
-    // Reads one to three numbers into `to`. The third is only for three-dimensional textures and is ignored.
+    // Reads one to three numbers into `to`. Ignores the third, which is only for three-dimensional
+    // textures.
     void read_pair(glm::dvec2& to) {
         constexpr double most = 1e9;
         const std::vector<double> v = take_numbers(3);
@@ -168,7 +169,7 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // Without this blank, a backslash at the end of the trimmed line would continue the line.
+        // Without this blank, a backslash at the end of the trimmed line would join it to the next line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

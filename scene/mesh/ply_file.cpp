@@ -137,7 +137,7 @@ class PlyReader {
 
     // Adds the triangles of strips. An index of -1 ends a strip.
     // Every second triangle of a strip is reversed, so that all have the same winding.
-    // Triangles with repeated corners only join parts of a strip and are omitted.
+    // Triangles with repeated corners, which only join parts of a strip, are omitted.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -162,8 +162,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element, such as one vertex. Stores its scalars by index of the property.
-    // Of its lists, only those in `kept_lists_` are stored.
+    // Reads one instance of a PLY element, such as one vertex. Stores its scalars by index of the property.
+    // Of its lists, stores only those that are needed (`kept_lists_`).
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -273,8 +273,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The lists of a face that are kept: corners and texture coordinates.
-    // `kept_lists_` are the indices of the properties, and `lists_` the values.
+    // The lists of a face that are needed: vertex indices and texture coordinates.
+    // `kept_lists_` are the indices of their properties, and `lists_` their values.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

@@ -13,11 +13,12 @@ namespace postlens {
 class PolygonRun {
   public:
     [[nodiscard]] bool empty() const { return mesh_.triangles.empty(); }
-    /// Adds a polygon with at least 3 corners, unless it has a fault, which is returned.
+    /// Adds a polygon with at least 3 corners. If it has a fault, returns the fault and adds nothing.
     /// `normals` has one vector per corner, of any length, or is empty for a flat polygon.
     /// A normal of length 0 is replaced by that of the polygon.
     PolygonFault add(std::span<const glm::dvec3> corners, std::span<const glm::dvec3> normals);
-    /// Returns the collected mesh and starts a new one. It has normals if any of its polygons has normals.
+    /// Returns the collected mesh and starts a new one. The mesh has vertex normals if any of its polygons
+    /// has.
     [[nodiscard]] Mesh take();
 
   private:

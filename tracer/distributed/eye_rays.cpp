@@ -30,7 +30,7 @@ void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
         }
     }
     if (lane == 0) return;
-    // The last group may have fewer than 16 samples. The rays of its unused entries are removed.
+    // Fills the last group of 16 rays with dummy samples. Their rays are removed again below.
     for (std::size_t i = lane; i < 16; ++i) {
         samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
     }

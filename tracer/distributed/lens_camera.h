@@ -35,24 +35,24 @@ class LensCamera {
     /// An orthographic camera must have an aperture radius of 0.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples with given lens points, in lens radii along the raster's axes. x and y are in px.
+    /// Sixteen image positions (px), each with its lens point, in lens radii along the raster's axes.
     /// Not for cameras with a lens prescription.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through given lens points to the batch.
-    /// Except for rounding, they equal the rays of the other overload for the same lens points.
+    /// Adds one ray per sample, through the sample's lens point, to the batch.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds 16 rays with unit directions to the batch. Sets their times only if the batch has times.
-    /// If `loses_rays()`, appends each ray's transmittance to `weights`. With 0, a ray hits nothing.
+    /// Adds 16 rays with unit directions to the batch.
+    /// If the lens may block light (`loses_rays`), appends each ray's transmittance to `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// True if the lens may block some light. Otherwise add_rays leaves `weights` unchanged.
+    /// Returns true if the lens may block some light. Otherwise, add_rays leaves `weights` unchanged.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// A ray in double precision, the reference of tests. `time` is a fraction of the shutter interval.
+    /// A ray in double precision, with which tests compare the faster float rays. `time` is a fraction of
+    /// the shutter interval.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -60,13 +60,14 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, of a ray.
-    /// The ray for (x, y) leaves the lens at `unit`, in lens radii. Not for cameras with a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance `t`, m, along a
+    /// lens ray. The ray starts at `unit` on the lens, in lens radii, and belongs to raster position (x,
+    /// y). Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth of `world`, 1/m, and its two derivatives on the raster, 1/m per px, in the
-    /// plane with this normal. Not for moving cameras. All are 0 if the pinhole sees the plane edge-on or if
-    /// the camera is orthographic.
+    /// Returns the inverse depth of `world`, 1/m, and its derivatives along raster x and y, 1/m per px.
+    /// The derivatives are those of the plane through `world` with this normal. Not for moving cameras.
+    /// All are 0 if the plane is seen edge-on or the camera is orthographic.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point: px per metre perpendicular to the optical axis.
@@ -77,7 +78,8 @@ class LensCamera {
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the camera's frame: lens points (m) and tangents along the raster's axes.
+    // Sixteen rays in the camera's frame: origins on the lens, m, and tangents of their angles along the
+    // raster's axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };
@@ -88,8 +90,8 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray for the raster position (x, y) from the lens point `unit`, in lens radii.
-    /// Returns true if the aperture transmits it.
+    /// Computes the ray for raster position (x, y) from the lens point `unit`, in lens radii.
+    /// Returns false if the aperture blocks it.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

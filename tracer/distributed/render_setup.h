@@ -25,7 +25,7 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// Returns one line of JSON with all inputs on which the image depends.
+    /// Returns all inputs on which the image depends, as one line of JSON.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:

@@ -23,9 +23,10 @@ struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// 3 doubles (RGB) per pixel, row-major: radiance times exposure. A total, or one sum per block.
+    /// Sums of radiance times exposure: 3 doubles (RGB) per pixel, row-major.
+    /// Holds one total, or one sum for each block of samples.
     std::array<std::vector<double>, 2> sums;
-    /// Sum of the unfinished block of samples. It is added to `sums` when the block is complete.
+    /// Sums of a block of samples that is not yet complete. They are added to `sums` when it is.
     /// Empty if blocks are traced in one step or have their own sums.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
@@ -34,7 +35,8 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the samples of another part of the render. Parts must be added in order, because of rounding.
+    /// Adds the samples of another part of the same render.
+    /// Parts must be added in order, because sums of doubles depend on the order of addition.
     void add(const RenderState& part);
     /// Returns the mean radiance of all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;

@@ -12,8 +12,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// At most `lines` rays per pixel share one stratified set of samples. SightLine::view is the index in
-    /// it. Keeps a reference to `setup`, which must not have a lens prescription.
+    /// Up to `lines` rays per pixel, numbered by SightLine::view, share one stratified set of samples.
+    /// Keeps a reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -23,8 +23,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many patches (planar parts of surfaces) can be drawn in the time of one ray.
-    /// Rays are faster where an image needs more per pixel. Measured on six scenes.
+    /// Returns how many planar pieces of surfaces can be drawn in the time that one ray takes. Measured on
+    /// six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -26,7 +26,7 @@ dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
 
 template <typename T>
 void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
-    // Computes the roots of a t^2 + 2 half_b t + c = 0 without cancellation.
+    // Solves a t^2 + 2 half_b t + c = 0 without cancellation.
     const T discriminant = half_b * half_b - a * c;
     if (!(discriminant >= 0)) return;
     const T q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
@@ -37,7 +37,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // t is measured from the ray's nearest point to the centre. This avoids cancellation for distant origins.
+    // Measures t from the ray's point nearest to the sphere's centre, to avoid cancellation if the ray
+    // starts far away.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -230,8 +231,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // e = (x, y) / rho points away from the axis. Its derivative is (I - e e^T) / rho.
-            // The derivative of the normal is this matrix divided by `norm`.
+            // Derivative of the cone's normal: (I - e e^T) / (rho * norm), where e = (x, y) / rho points
+            // away from the axis.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

@@ -68,7 +68,7 @@ MotionSteps motion_steps(const MotionPath& path, const dmat4& base, const Bounds
 
 std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, const dmat4& base,
                                   double begin_s, double end_s, int steps) {
-    // Embree rejects bounds beyond about 1.8e18, and differences of bounds must be finite.
+    // Clamps infinite bounding boxes, because Embree rejects bounds beyond about 1.8e18.
     constexpr double farthest = 1e18;
     const auto at = [&](double time_s) {
         Bounds b = shape_bounds(shape, path.at(time_s).matrix() * base);
@@ -78,9 +78,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is how far the shape extends beyond the interpolated boxes at the tested instants.
-    // Between them, a bound may deviate by bend / 8, where `bend` is its second difference.
-    // The margin bend / 4 covers this.
+    // `excess` is how far the moving shape leaves its linearly interpolated bounding box at the tested
+    // instants. Between these instants, a bound may deviate by 1/8 of its second difference, `bend`. A
+    // margin of bend / 4 covers this.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -12,7 +12,8 @@ namespace postlens {
 
 /// Tolerance, px, for the position error of a moving object in the image.
 struct MotionAccuracy {
-    /// Returns the scale of the image at a world point and an instant, px per metre. 0 behind the camera.
+    /// Returns the scale of the image at a world point and an instant, in px per metre. 0 behind the
+    /// camera.
     std::function<double(const glm::dvec3& world, double time_s)> px_per_m;
     double tolerance_px = 0.05;
 };
@@ -24,8 +25,8 @@ inline constexpr int most_motion_steps = 128;
 /// Embree interpolates each entry of the matrices linearly.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    /// Greatest position error, px, of a corner of the object's bounding box.
-    /// It may exceed MotionAccuracy::tolerance_px.
+    /// Largest position error, px, of a corner of the moving object's bounding box.
+    /// It may exceed the tolerance, because the number of motion steps is limited.
     double error_px = 0;
 };
 /// Returns the smallest number of steps, a power of two, that keeps `box` within the tolerance.

@@ -89,8 +89,8 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // q / a and c / q are the roots of a t^2 + 2 half_b t + c.
-        // q is 0 only if half_b and the discriminant are 0. The ray then touches the surface at t = 0.
+        // The roots of a t^2 + 2 half_b t + c are q / a and c / q, computed without cancellation.
+        // If q is 0, the ray touches the cone at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);
@@ -156,7 +156,8 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray starts on this shape. Its origin is the crossing nearest to t = 0, which is removed.
+        // A ray that starts on this shape must not hit its own origin, so the crossing nearest to t = 0 is
+        // removed.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

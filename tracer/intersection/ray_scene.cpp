@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 64 times the rounding error of a float. With this offset, Embree reports no hit on a neighbouring
-    // triangle at the origin of the ray.
+    // 64 times the rounding error of a float. A ray whose origin is moved so far does not hit a triangle
+    // next to the one that it leaves.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -62,7 +62,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // The capacity of the arrays is a multiple of 16, so a whole group can be read.
+        // Always copies 16 entries. The capacity of the arrays is a multiple of 16, so none lies outside.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -79,7 +79,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.mask[i] = 0xFFFFFFFFU;
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
-        // Embree aborts the program if a ray is not finite. Such rays are disabled and hit nothing.
+        // Disables rays that are not finite, because Embree would abort the program. They hit nothing.
         const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
                                      std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
@@ -132,7 +132,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // The capacity of the arrays is a multiple of 16, so a whole group can be written.
+        // Always copies 16 entries. The capacity of the arrays is a multiple of 16, so none lies outside.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);
@@ -142,7 +142,8 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // The coherent occlusion test of Embree 3.13 does not terminate if directions in a packet differ in sign.
+    // Rays are not declared coherent: in Embree 3.13, coherent occlusion tests never end if directions in a
+    // packet differ in sign.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();

@@ -45,7 +45,7 @@ class RayBatch {
     // Result of `occlude`: transmittance per channel.
     std::vector<glm::dvec3> transmittance;
 
-    /// Returns the key of the hit of ray i, or `none` if the ray hit nothing.
+    /// Returns the geometry, primitive and instance that ray i hit, or `none` if it hit nothing.
     [[nodiscard]] HitKey hit(std::size_t i) const {
         return {hit_geometry[i], hit_primitive[i], hit_instance[i]};
     }
@@ -55,7 +55,7 @@ class RayBatch {
         has_sources = with_sources;
         has_times = with_times;
     }
-    /// Appends a group of 16 rays and returns the index of the first. The caller must set these rays.
+    /// Appends 16 rays, which the caller must then set, and returns the index of the first.
     std::size_t add_group() {
         const auto first = static_cast<std::size_t>(count);
         while (first + group > ox.size()) grow();
@@ -65,8 +65,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All numbers are converted first. Otherwise the compiler reloads the array pointers after each
-        // store.
+        // Converts all numbers before storing any. Otherwise, the compiler reloads the array pointers after
+        // each store.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -103,7 +103,7 @@ class RayScene {
     /// Throws Error(interrupted) if the user interrupts the build.
     RayScene(const Scene& scene, double time_s);
     /// Builds the scene for a shutter interval, in which every ray has its own instant.
-    /// Analytic shapes move exactly. Meshes move in linear steps, as many as `accuracy` needs.
+    /// Analytic shapes move exactly. Meshes move in as many linear steps as `accuracy` needs.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -111,16 +111,21 @@ class RayScene {
     RayScene(RayScene&&) = delete;
     RayScene& operator=(RayScene&&) = delete;
 
-    /// Finds the nearest hit of every ray. `coherent` states that the rays of each group are almost parallel.
+    /// Finds the nearest hit of every ray. Pass `coherent` if the rays of each group of 16 are almost
+    /// parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Computes the transmittance along the segment of each ray. Rays are not refracted [whitted1980].
-    /// A transmitting surface multiplies light by its colour at each crossing.
+    /// Computes the transmittance along each ray's segment, for shadows. Rays are not refracted
+    /// [whitted1980]. Each crossing of a transparent surface multiplies the transmittance by the surface's
+    /// colour.
     void occlude(RayBatch& rays) const;
-    /// Computes the hit of the ray o + t d, |d| = 1, in double precision.
-    /// `t` is the result of `intersect`, and `time` that of the ray, 0 to 1.
+    /// Computes the surface point that the ray o + t d,
+    /// d
+    /// = 1, hits, in double precision.
+    /// `t` is the distance found by `intersect`, and `time` the ray's instant, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Computes only the object, the texture position and the distance of the hit. Faster than `surface`.
+    /// Like `surface`, but faster: computes only the object, the texture position and the distance of the
+    /// hit.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
     /// Returns the object that was hit, as an index into Scene::objects.
@@ -128,8 +133,8 @@ class RayScene {
     /// Returns the derivative of the outward unit normal, 1/m: d(normal) = shape_operator * d(position).
     /// Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`.
-    /// It is 64 times the rounding error of single precision at `p`.
+    /// Returns how far, in metres, the origin of a ray is moved off a surface at `p`, so that the ray does
+    /// not hit the surface again.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
@@ -138,8 +143,8 @@ class RayScene {
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// Returns the largest position error, px, of moving meshes, which move in linear steps.
-    /// It may exceed the tolerance, because the number of steps is limited.
+    /// Returns the largest position error, px, of moving meshes, whose motion is approximated by linear
+    /// steps. It may exceed the tolerance, because the number of steps is limited.
     [[nodiscard]] double motion_error_px() const;
     /// Returns the Embree scene (RTCScene), for benchmarks.
     [[nodiscard]] void* native_handle() const;

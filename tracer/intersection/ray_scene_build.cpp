@@ -68,7 +68,7 @@ void RayScene::Impl::attach(RTCGeometry geometry, const Entry& entry, std::uint3
 
 void RayScene::Impl::commit(RTCScene s) const {
     rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-    // Without this flag, Embree does not call the filter function of a query's context.
+    // Without this flag, Embree does not call filter functions that are set per query.
     rtcSetSceneFlags(s, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneProgressMonitorFunction(
         s, [](void* job, double) { return !static_cast<const Job*>(job)->cancelled(); }, &Job::current());
@@ -190,7 +190,7 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // 32 time steps give tight bounding boxes. More would only enlarge Embree's hierarchy.
+    // 32 time steps give tight bounding boxes. More would only enlarge Embree's hierarchy of boxes.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {
@@ -256,7 +256,7 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
             continue;
         }
         const auto& mesh = std::get<std::shared_ptr<const Mesh>>(object.shape);
-        // Instances share a mesh of some hundred triangles or more, to save memory.
+        // Instances of a mesh of 256 or more triangles share one acceleration structure, to save memory.
         // Smaller meshes are copied into one common structure, which rays traverse faster.
         constexpr std::size_t smallest_shared = 256;
         if (uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared) {

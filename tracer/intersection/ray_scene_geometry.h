@@ -66,8 +66,8 @@ struct AnalyticSet {
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
-        // local_from_world for float rays: local = linear * (p - pivot) + shift.
-        // Subtracting the pivot first preserves precision far from the origin.
+        // local_from_world in single precision: local = linear * (p - pivot) + shift.
+        // Subtracting the pivot first preserves precision far from the world's origin.
         glm::mat3 linear{1};
         glm::vec3 pivot{0}, shift{0};
     };

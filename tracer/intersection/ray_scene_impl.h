@@ -39,7 +39,7 @@ struct InstanceGeometry {
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the transform at a ray's time. It is interpolated like Embree's, so both use the same surface.
+    // Returns the object-to-world transform at a ray's time, interpolated exactly as Embree does.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 
@@ -101,7 +101,7 @@ struct RayScene::Impl {
     // These functions compute hits in double precision (ray_scene_surface.cpp).
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
                                               const glm::dvec3& d, double t) const;
-    // A hit on an analytic shape, in the local frame of the shape.
+    // A hit on an analytic shape, in the shape's own frame.
     struct LocalHit {
         glm::dvec3 o, d;  // the ray
         double t = 0;

@@ -96,8 +96,8 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // `base` maps directions to the local frame, so its transpose (n * base) maps normals back.
-    // The motion scales, then rotates. Normals are divided by the scale and rotated.
+    // Transforms a normal to world space by the inverse transpose: times the transpose of `base`, divided
+    // by the scale, rotated.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -146,7 +146,7 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
     s.position = o + s.t * d;
     const dvec3 from_a = s.position - f.a;
     const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2), b0 = 1 - b1 - b2;
-    // A mirroring transform reverses the winding of a mesh but not its outer side.
+    // A mirroring transform reverses the winding of triangles, but not which side of the mesh is outside.
     s.geometric_normal = s.normal = (mirrored[f.object] ? -1 : 1) / std::sqrt(f.area2) * f.cross;
     if (!f.mesh->mesh->normals.empty()) {
         const auto n = vertex_normals(f);
@@ -154,7 +154,8 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
-            // If the winding and the vertex normals disagree about the outer side, the vertex normals decide.
+            // If the winding and the vertex normals disagree about which side is outside, the vertex
+            // normals decide.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }
@@ -179,8 +180,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // The derivative of the world-space normal. `linear` maps positions to the local frame.
-        // Its transpose maps normals back to world space.
+        // Transforms the derivative of the normal to world space. `linear` maps positions to the shape's
+        // frame, and its transpose maps normals back.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

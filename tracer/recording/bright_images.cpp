@@ -36,7 +36,7 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Returns false if certainly no ray of the beam touches the sphere before it hits a surface.
+    /// Returns false only if no ray of the beam can touch the sphere before it hits a surface.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);
@@ -44,7 +44,7 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the vector, m, from `point` to the nearest point of the k-th ray.
+    /// Returns the vector, m, from `point` to the nearest point of the beam's k-th corner ray.
     /// It is projected onto a plane perpendicular to the beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
@@ -79,7 +79,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Assumes that every mirror or glass object shows two images of each bright object.
+    // Assumes that every mirror or glass object shows two images of each bright object, to limit the number
+    // of cells.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -118,8 +119,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // To first order, a ray misses the object's centre by middle + by_cell * position, m.
-        // `position` is that of the ray in the cell, in cell widths from the cell's middle.
+        // Linear model of the cell's rays: a ray misses the bright object's centre by middle + by_cell *
+        // position, m. `position` is where the ray starts, in cell widths from the cell's middle.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -129,12 +130,12 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell extends from -0.5 to 0.5 cell widths. The margin allows for the inexact linear model.
+        // The cell extends from -0.5 to 0.5 cell widths. The margin allows for errors of the linear model.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The matrix radius * cell_by maps the unit circle to the image of the sphere, an ellipse.
-        // Its smaller singular value is the ellipse's shorter semi-axis, in cell widths.
+        // The image of the sphere is an ellipse: the unit circle mapped by radius * cell_by.
+        // The smaller singular value of this matrix is the ellipse's shorter semi-axis, in cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

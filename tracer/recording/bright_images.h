@@ -26,19 +26,19 @@ class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of cells into which the image of one object is divided.
+    /// Approximate number of quadtree cells into which the image of one bright object is divided.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Collects the bright objects of the scene at an instant.
-    /// If their images may need more than `most_cells` cells, only the brightest objects are kept.
+    /// Collects the bright objects of the scene at an instant, to find their images in mirrors and glass.
+    /// If all images may need more than `most_cells` cells, only the brightest objects are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes needed so that no bright image in a cell of width `size_px` is missed. `at`
-    /// holds the rays at its corners after the same bounces: upper left, upper right, lower left, lower
-    /// right.
+    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`.
+    /// `at` holds the reflected or refracted rays from the cell's corners: upper left, upper right, lower
+    /// left, lower right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -46,8 +46,8 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a hierarchy of bounding spheres, stored depth first, for objects [first, last) of
-    /// `spheres_`.
+    /// A node of a hierarchy of bounding spheres, stored depth first. It contains the spheres [first, last)
+    /// of `spheres_`.
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

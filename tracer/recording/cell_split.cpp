@@ -142,9 +142,9 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
     for (int channel = 0; channel < 3; ++channel) {
-        // The radiance of a sample is modelled as plus + times * texel:
+        // Models the radiance of a sample as plus + times * texel:
         // - texel: colour of the texture at the sample
-        // - times: largest ratio of the node's radiance to texel
+        // - times: largest ratio of radiance to texture colour
         // - plus: smallest remainder
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};

@@ -18,8 +18,8 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// `samples` are the point samples at cell corners, and `chunks` hold their records.
-    /// Keeps references to all arguments. `samples` and `chunks` may change between calls.
+    /// `samples` are the results of eye rays through cell corners, and `chunks` hold the surfaces that the
+    /// rays hit. Keeps references to all arguments. `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks)
@@ -31,23 +31,23 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns whether the visible surface at the cell's centre differs from those at its corners.
-    /// The cell must then be divided. `centre` is the index of the central sample.
+    /// Returns true if the eye ray through the cell's centre sees another surface than those at the
+    /// corners. The cell must then be divided. `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// A RecordMark to set on a record, which is given by its index in its chunk.
+    /// A flag to set on a recorded surface point, which is given by its index in an array of records.
     struct Mark {
         std::uint32_t chunk = 0, record = 0;
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for the records at the corners of an undivided cell.
-    /// - `fine_texture`: the texture has contrast between the corners, and `colour_levels` forbids division.
-    /// - `gap`: several parts of one object may lie in the cell, and `edge_levels` forbids division.
+    /// Marks the surface points at the corners of a cell that is not divided further:
+    /// - `fine_texture`: the texture varies between the corners, but `colour_levels` forbids division.
+    /// - `gap`: several parts of one object may lie in the cell, but `edge_levels` forbids division.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// The shading tree of one visible or hidden surface of a sample. `rgb` is its radiance.
-    /// Its nodes are the records [first, first + count) of `chunk`, sorted by path.
+    /// The shading tree of one visible or hidden surface that an eye ray crosses. `rgb` is its radiance.
+    /// Its surface points are the records [first, first + count) of `chunk`, sorted by their bounces.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -58,50 +58,53 @@ class CellSplit {
     /// A node of each sample, as an index into its chunk.
     using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
-    /// True if the contrast between two radiances is high enough to divide a cell [mitchell1987].
+    /// Returns true if the contrast between two radiances is high enough to divide a cell [mitchell1987].
     /// The formula's term 0.05 makes it insensitive to small differences between dark colours.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if an edge lies between corners of similar colours: in the texture, or of a shadow.
+    /// Returns true if a texture's or shadow's edge lies between cell corners of similar colours.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// True if the cell is wider than 2^-levels px, so a limit of `levels` levels allows its division.
+    /// Returns true if the cell is wider than 2^-levels px, so that a limit of `levels` divisions still
+    /// allows one.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th node of the first sample, and its counterparts in the others: the nodes
-    /// with the same object and path (bounces). Empty if a sample has none.
+    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in the trees
+    /// of all other samples. They belong to the same object after the same bounces. Empty if a sample has
+    /// none.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the node with this path (sequence of bounces) in the shading tree of one surface.
-    /// Tests the node `guess` first, because most corners of a cell have the same tree.
+    /// Returns the surface point that a shading tree contains after this sequence of bounces.
+    /// Tests the index `guess` first, because most corners of a cell have similar trees.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// True if the texture between the samples gives the node's radiance enough contrast to divide the cell.
-    /// All texture colours in the bounding box of the samples' texture positions count.
+    /// Returns true if the texture varies so much between the samples that the cell must be divided.
+    /// Considers all texture colours in the bounding box of the samples' texture positions.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Returns the layer (shading tree of one surface) that begins at record `at` of the sample.
+    /// Returns the shading tree of the visible or hidden surface that begins at record `at` of the sample.
     /// Sets `at` to the index after its last record.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
-    /// True if the cell may contain a narrow object that all its corners miss.
-    /// If `hidden` is false, objects behind the farthest visible surface at the corners do not count.
+    /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
+    /// If `hidden` is false, ignores objects behind the farthest surface that is visible at the corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// True if all corners show the same part of an object, but another part's outline passes in front of it.
+    /// Returns true if all corners show the same part of an object, but another part's outline passes in
+    /// front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
-    /// True if the cell may contain the image of a small bright object in a mirror or in glass.
-    /// `s` holds the shading trees at its corners.
+    /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
+    /// `s` holds the shading trees at the cell's corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if hidden surfaces at the corners differ so much that the cell must be divided.
-    /// Only hidden surfaces after the same bounces are compared. Corners without one are ignored.
+    /// Returns true if hidden surfaces at the corners of a cell differ so much that it must be divided.
+    /// Compares only hidden surfaces after the same bounces. Corners without one are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path (sequence of bounces), as bits, of the record `at` of a sample, or `none` if there is
-    /// none.
+    /// Returns the sequence of bounces, as bits, that leads to record `at` of a sample. Returns `none` if
+    /// there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

@@ -29,7 +29,7 @@ struct CornerGrid {
     [[nodiscard]] static CornerKey key(std::uint32_t x, std::uint32_t y) {
         return (static_cast<CornerKey>(y) << 32) | x;
     }
-    /// Position of the upper edge of pixel row `y` in grid units.
+    /// Returns the position of the upper edge of pixel row `y`, in units of the smallest cell.
     [[nodiscard]] std::uint32_t row(int y) const {
         return static_cast<std::uint32_t>(y - window.y_begin) * unit;
     }

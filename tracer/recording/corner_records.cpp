@@ -22,7 +22,7 @@ void CornerRecords::emit(const CornerGrid& grid, const std::vector<CornerSample>
     };
     const std::size_t pixels =
         static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(grid.columns);
-    // A sample file is sorted by pixel, and within a pixel by (y, x).
+    // Counts the samples and records of each pixel, because a sample file is sorted by pixel.
     std::vector<std::uint32_t>& first = first_;
     first.assign(pixels + 1, 0);
     out.offsets.assign(pixels + 1, 0);

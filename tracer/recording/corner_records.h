@@ -12,7 +12,7 @@ namespace postlens {
 
 class CornerRecords {
   public:
-    /// Writes the records of pixel rows [y_begin, y_end), one pixel after the other.
+    /// Writes the recorded surface points of pixel rows [y_begin, y_end) to `out`, one pixel after another.
     void emit(const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 

@@ -57,10 +57,11 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel and appends their samples in order. The functions are thread-safe.
-    // - `fill(i, keys)` writes the `sizes[i]` points of batch i.
+    // Traces batches of eye rays in parallel and appends their samples in order. The functions must be
+    // thread-safe:
+    // - `fill(i, keys)` writes the `sizes[i]` raster positions of batch i.
     // - `traced(index, sample)` is called for every new sample.
-    // - `around(key)` returns earlier samples near a point.
+    // - `around(key)` returns earlier samples near a raster position.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
@@ -133,7 +134,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces the pixel corners of a band, except the uppermost row if the band above has traced it.
+    // Traces eye rays through the pixel corners of a band of rows. Skips the uppermost corners if the band
+    // above has traced them.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -154,7 +156,7 @@ class BandSampler {
         }
         const auto fill = [&](std::size_t i, std::vector<CornerKey>& keys) {
             const Tile& t = tiles[i];
-            // Each packet of 16 rays is a block of 4 x 4 corners.
+            // Each packet of 16 rays is a block of 4 x 4 pixel corners, so its rays are coherent.
             for (int by = t.y; by < t.y_end; by += 4) {
                 for (int bx = t.x; bx < t.x_end; bx += 4) {
                     for (int y = by; y < std::min(by + 4, t.y_end); ++y) {
@@ -172,8 +174,8 @@ class BandSampler {
         });
     }
 
-    // Makes sample i of the previous band available in this band.
-    // It goes to corners_ if it lies at a pixel corner, otherwise to carried_over_.
+    // Reuses sample i of the band of rows above, on the edge that it shares with this band.
+    // Stores it in corners_ if it lies at a pixel corner, otherwise in carried_over_.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -213,7 +215,7 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. A small object or shadow may lie between a pixel's corners,
+    // Returns the pixels that are divided. A small object or shadow may lie between pixel corners,
     // so the centres of a divided pixel's left and right neighbours are traced.
     // A neighbour whose centre differs from its corners is divided, too.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
@@ -253,7 +255,8 @@ class BandSampler {
         return cells;
     }
 
-    // Adds the cells whose centre differs from their corners to `divided`. Discards the central samples.
+    // Traces the centre of each cell, and adds the cells whose centre differs from their corners to
+    // `divided`. Then discards the central samples.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -277,10 +280,10 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell.
-    // A midpoint that neighbouring cells or bands share is traced once.
+    // Traces the centre of every cell and the midpoints of its sides. A midpoint that cells share is traced
+    // once.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // One list of points per row of pixels, and one for the lower edge of the band.
+        // One list of points per row of pixels, and one for the lower edge of the band of rows.
         // A point on the edge between two rows belongs to the lower row.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
@@ -310,7 +313,8 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the sample at the centre of a cell in this row, or at the midpoint of one of its sides.
+    // Returns the index of the sample at a cell's centre or at the midpoint of a side, in this row of
+    // pixels.
     [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -322,8 +326,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the four corners of the pixel that contains a point.
-    // A point on the band's lower edge belongs to the pixel above, which is already traced.
+    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
+    // of the band of rows belongs to the pixel above, whose corners are already traced.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -359,7 +363,7 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of this band, because the next band shares them.
+    // Keeps the samples on the lower edge of this band of rows, because the next band shares them.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();
@@ -385,7 +389,7 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // Releasing and allocating the buffers of records took longer than tracing, so they are reused.
+        // Reuses the buffers, because releasing and allocating them took longer than tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -400,7 +404,7 @@ class BandSampler {
     std::vector<std::uint32_t> corners_;
     std::unordered_map<CornerKey, std::uint32_t>
         carried_over_;  ///< samples of the band above that are not pixel corners
-    // The points that the last call of trace_missing traced, sorted within each row of pixels.
+    // Raster positions of the samples that trace_missing traced last, sorted within each row of pixels.
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]

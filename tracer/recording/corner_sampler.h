@@ -14,9 +14,9 @@ namespace postlens {
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
     /// Greatest depth of subdivision at the edges of objects, at most `levels`.
-    /// Cells near narrow objects (SmallThings) may be deeper.
+    /// Cells near objects narrower than 1.5 px may be deeper.
     int edge_levels = 8;
-    /// A cell is divided if the contrast of a colour channel between its corners exceeds this value.
+    /// A cell is divided if a colour channel's contrast between its corners exceeds this value.
     /// The contrast is (max - min) / (max + min + 0.05).
     double threshold = 0.1;
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides

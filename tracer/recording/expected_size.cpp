@@ -30,20 +30,20 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // A stripe of rows is traced in the middle of each of `count` equal parts of the window.
+        // Estimates the file's size from `count` stripes of rows, evenly spaced over the image.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The samples on the stripe's lower edge are not counted. They need fewer bytes than other samples,
-        // because the pixels below them are not subdivided.
+        // Does not count the samples on the stripe's lower edge.
+        // They need fewer bytes than others, because the pixels below them are not subdivided.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // A row of the file's flat image needs the samples at the corners above and below it.
-                // Those below the last row may belong to the next band, so this row is not measured.
+                // A row of the file's flat image needs the samples on its lower edge, too.
+                // For the band's last row, these may belong to the next band, so the row is not measured.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -172,7 +172,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         cameras.emplace_back(camera, instants_s.back(), overrides);
     }
     std::vector<TimeSpan> visits;
-    // Adds every time span in which `holds(i)` is true for all instants i.
+    // Adds every uninterrupted time span in which `holds(i)` is true at the tested instants i.
     const auto add_spans = [&](const auto& holds) {
         bool before = false;
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -191,7 +191,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale factors of the object along its own axes at each instant. They are 0 while it is out of view.
+        // Scale of the object along its own axes at each instant, to find when it is large. 0 while it is
+        // out of view.
         std::vector<dvec3> sizes;
         std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
@@ -208,7 +209,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // From inside an object, the camera sees other surfaces than from outside.
+        // The camera sees other surfaces from inside an object than from outside, so the time spans inside
+        // are listed, too.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -217,14 +219,15 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns whether one of `keys` evenly spaced keys (recorded instants) lies within the time span `visit`.
+    // Returns true if one of `keys` evenly spaced recorded instants lies within the time span `visit`.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Ignores time spans that contain no key for any number of keys up to `most`.
+    // Ignores time spans so short that they contain no recorded instant, for any number of instants up to
+    // `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;
@@ -261,7 +264,7 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Relative tolerance for the rounding error of the angle, which is a sum over many steps.
+    // Tolerance for the rounding error of the angle, which is a sum over many steps.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

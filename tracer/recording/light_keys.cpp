@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images for these keys: `recorded_s`, and one every `between` steps.
-    /// If `between` is 0, `recorded_s` is the only key.
+    /// Returns the predicted PSNR, dB, if the scene is recorded at `recorded_s` and once every `between`
+    /// time steps. If `between` is 0, it is recorded only at `recorded_s`.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -113,8 +113,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Returns the surface points that a grid of eye rays hits.
-    // Neighbouring rays have very different instants, so surfaces that are in view only briefly are hit too.
+    // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
+    // instants, so that objects which are in view only briefly are hit, too.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -175,8 +175,8 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // At another distance, the ray has hit another part of the object, which hides the point.
-                // The relative tolerance allows for the rounding of single-precision rays.
+                // A hit at another distance is on another part of the object, which hides the point.
+                // The tolerance allows for the rounding of single-precision rays.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -216,8 +216,8 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // The search starts with the most keys and stops at the first number that misses the target.
-    // With few keys, errors may cancel, as for a light that is switched on halfway.
+    // Starts with the most recorded instants, and stops at the first number that misses the target.
+    // With few instants, errors may cancel by chance, as for a light that is switched on halfway.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

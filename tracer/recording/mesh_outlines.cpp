@@ -68,7 +68,7 @@ void MeshOutlines::add_mesh(const Object& object, const Mesh& mesh, std::size_t 
             if (at) places[i] = {*at, nearness(glm::dot(point - camera.position, camera.forward))};
         }
     });
-    // Returns twice the area of a triangle's image. The sign shows which side the camera sees.
+    // Returns twice the signed area of a triangle's image. The sign shows which side the camera sees.
     const auto area = [&](std::uint32_t triangle) {
         const glm::uvec3& t = mesh.triangles[triangle];
         const dvec2 u = places[t[1]].at - places[t[0]].at, v = places[t[2]].at - places[t[0]].at;
@@ -144,7 +144,7 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
                        static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_)]),
                last = crossings_.begin() +
                       static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_) + 1]);
-    // An edge along a side of the square does not count as inside it.
+    // Shrinks the square slightly, so that an edge along its side does not count as inside it.
     const double margin = size / 64;
     const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
     for (auto c = std::lower_bound(first, last, column, [](const Crossing&a, int to) { return a.x < to; });
@@ -159,7 +159,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // Relative tolerance for rounding: an edge in the plane of the visible part is not in front of it.
+        // Relative tolerance for rounding: an edge in the plane of the visible surface is not in front of
+        // it.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

@@ -17,24 +17,26 @@ namespace postlens {
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Largest average number of outline edges per pixel. If there are more, the farthest are omitted.
+    /// Largest average number of outline edges per pixel, to limit memory. If there are more, the farthest
+    /// are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
-    /// Finds the outlines of the scene's meshes at an instant. `parts` must belong to `scene`.
-    /// Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
+    /// Finds the outlines of the scene's meshes, as seen by the camera at an instant. `parts` must belong
+    /// to `scene`. Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 
     [[nodiscard]] bool empty() const { return crossings_.empty(); }
 
-    /// The part of an object that is visible at all corners of the cell.
+    /// The part of an object that is visible at all four corners of a quadtree cell.
     struct Shown {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns whether the outline of another part crosses a square in front of the part `shown`.
-    /// (x, y) is the square's upper left corner, and `size` its width, px. The square lies within one pixel.
+    /// Returns true if another part's outline crosses a square of the image, in front of the visible part
+    /// `shown`. (x, y) is the square's upper left corner, and `size` its width, px. The square lies within
+    /// one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
@@ -52,8 +54,8 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns the inverse depth or, for an orthographic camera, minus the depth.
-    /// On a plane, both are linear functions of the raster position. They increase towards the camera.
+    /// Returns the inverse depth, 1/m, or, for an orthographic camera, minus the depth, m.
+    /// Within a plane, it is a linear function of the raster position. It increases towards the camera.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

@@ -29,8 +29,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For a cone, half[0] is the axis. `ends` are the factors of half[1] and half[2]
-    // at centre - half[0] and centre + half[0], equal for all other shapes.
+    // A cone tapers along half[0]: half[1] and half[2] are multiplied by ends.x at its base, centre -
+    // half[0], and by ends.y at centre + half[0]. The two are equal for all other shapes.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -74,8 +74,8 @@ Axes box_around(const std::vector<glm::vec3>& points) {
         }
         return out;
     };
-    // The first side of the second box points to the farthest point, the second side from this line to
-    // the point farthest from it.
+    // Second box: its first side points from the centre to the farthest point.
+    // Its second side points from this line to the point that is farthest from the line.
     const dvec3 first = longest([](const dvec3& v) { return v; });
     const double length = glm::length(first);
     if (!(length > 0)) return box(straight);
@@ -209,7 +209,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     }
     if (!tapers && glm::length(axes.half[0]) <= 4 * glm::length(axes.half[1])) {
         const double narrower = turn_to_sight(camera, axes);
-        // An object whose image is at most four times as long as wide is not divided.
+        // An object whose image is at most four times as long as wide is not divided into pieces.
         if (!(narrower > 4)) {
             take(axes.centre, axes.centre, axes.half);
             return;
@@ -224,7 +224,8 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // Near the tip of a cone, pieces are halved until no end is more than twice as wide as the other.
+        // Near the tip of a cone, halves pieces until no end is more than twice as wide as the opposite
+        // end.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -302,7 +303,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // Half the width of the ellipsoid's image, perpendicular to the longest projected half axis.
+    // Half the width of the object's image, perpendicular to the longest of its three projected half axes.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -328,18 +329,19 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // A compact bright object needs small cells along its outline for an accurate area.
+    // A compact bright object needs small cells along its outline, so that its area is accurate.
     // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. As each needs three or more cells, these need 1.5 times the allowed
-    // cells. keep_affordable() then removes a third or more of them.
+    // Limits memory. A piece needs at least three quadtree cells, so all pieces need 1.5 times the allowed
+    // cells. Therefore keep_affordable() removes a third of the pieces or more.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Cells of width find_px on and beside the piece, and of width outline_px along its outline.
+    // Cells of width find_px on the narrow object and beside it, and cells of width outline_px along its
+    // outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -417,8 +419,7 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // The cell extends by half of its diagonal, 0.7071 * size, from its centre. 0.7072 allows for
-        // rounding.
+        // The corners of the cell are 0.7071 * size from its centre. 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

@@ -21,7 +21,8 @@ namespace postlens {
 /// Each part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Width, px, up to which an object is narrow. A wider object cannot lie between the corners of a pixel.
+    /// Objects up to this width, px, are searched for. A wider object cannot lie between the corners of a
+    /// pixel.
     static constexpr double widest_px = 1.5;
     /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width.
     /// At this size, some corner of a cell always lies on the object.
@@ -31,27 +32,27 @@ class SmallThings {
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Largest average number of cells per pixel of the raster.
-    /// If narrow objects need more, bright ones are kept first, then wide ones.
+    /// Largest average number of quadtree cells per pixel.
+    /// If narrow objects need more, bright objects are kept first, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
     SmallThings() = default;
-    /// Finds the narrow objects of the scene at an instant. `parts` must belong to `scene`.
-    /// Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
+    /// Finds the narrow objects of the scene, as seen by the camera at an instant. `parts` must belong to
+    /// `scene`. Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
     SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                 int x_begin, int x_end, int y_begin, int y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes, which may lie between all corners of a cell.
+    /// Finds the outlines of meshes, because an outline may pass between all corners of a quadtree cell.
     /// Needs up to 160 bytes per pixel. The arguments must be those of the constructor.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
-    /// Returns the levels of subdivision that the narrow objects need: 0 without any, at most `most_levels`.
+    /// Returns how many times a pixel must be subdivided to find all narrow objects, at most `most_levels`.
     [[nodiscard]] int levels() const { return levels_; }
     /// Returns the approximate number of cells that all narrow objects need.
     [[nodiscard]] double cells() const;
@@ -61,8 +62,8 @@ class SmallThings {
     /// They are narrower than the smallest cells, or there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the cell sizes needed so that no narrow object in a square is missed.
-    /// (x, y) is the square's upper left corner and `size` its width, px.
+    /// Returns how small the quadtree cells must be to find every narrow object in a square of the image.
+    /// (x, y) is the square's upper left corner, and `size` its width, px.
     /// Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 

@@ -38,7 +38,7 @@ class PoissonPoints {
 
     /// n: 1 .. 2^20.
     PoissonPoints(std::uint32_t n, std::uint64_t seed);
-    /// Writes the points of samples [first, first + count), where count is 1 to 16.
+    /// Writes the Poisson-disc points of samples [first, first + count), where count is 1 to 16.
     /// With `permuted`, the points are in random order, otherwise in the order of the pattern.
     void fill_2d(SetKey key, bool permuted, int first, int count, float* u, float* v) const;
     void fill_1d(SetKey key, bool permuted, int first, int count, float* u) const;
@@ -56,7 +56,7 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// The patterns for the two sizes of blocks: floor(n / blocks) points, and one point more.
+    /// Point patterns for blocks of floor(n / blocks_) samples, and for blocks of one sample more.
     std::array<Patterns, 2> sizes_;
 };
 

@@ -46,7 +46,7 @@ class Sampler {
     static constexpr int max_spp = 1 << 20;
 
     /// `spp` is the number of samples per pixel. Throws Error(wrong_arguments) outside 1 .. max_spp.
-    /// For `poisson`, making the patterns takes up to a few tenths of a second.
+    /// For `poisson`, the construction takes up to a few tenths of a second.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 
     [[nodiscard]] SamplerKind kind() const { return kind_; }
@@ -61,7 +61,7 @@ class Sampler {
         alignas(64) float pixel_u[sample_lanes], pixel_v[sample_lanes], lens_u[sample_lanes],
             lens_v[sample_lanes], time_u[sample_lanes];
     };
-    /// Writes the points of an eye ray: 2D points of pixel_set and lens_set, and 1D points of time_set.
+    /// Writes the sample points of eye rays: position in the pixel, lens point and time.
     /// Entries from `count` on are undefined.
     void fill_eye(std::uint32_t pixel, int first, int count, EyeSamples& out) const;
 
@@ -69,7 +69,7 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes samples [first, first + lanes). `lanes` is 16 or 1. Samples from index `spp` on are undefined.
+    /// Writes `lanes` samples, 16 or 1, from index `first` on. Samples from index `spp` on are undefined.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

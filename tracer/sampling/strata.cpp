@@ -25,9 +25,9 @@ struct Divisor {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
     /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24.
-    /// Points have the same unit, so rounding never moves one out of its cell.
+    /// Sample points are multiples of the same unit, so rounding never moves a point out of its interval.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // a / d rounded up is (a + d - 1) / d rounded down.
+        // Rounds up: a / d rounded up is (a + d - 1) / d rounded down.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
@@ -68,7 +68,7 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row whose first cell, floor(row * n / rows), is at most c.
+        // Finds the row of cell c: the last row whose first cell, floor(row * n / rows), is at most c.
         // Equivalent: row * n / rows < c + 1, or row * n <= (c + 1) * rows - 1.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
@@ -79,7 +79,7 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // The height of a row is proportional to its number of cells.
+        // The height of a row is proportional to its number of cells, so that all cells have the same area.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

@@ -24,7 +24,7 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance, by which cells are subdivided: the unshadowed radiance
+    /// Noise-free estimate of the radiance, by which quadtree cells are subdivided: the unshadowed radiance
     /// times 1 if the light is completely visible, 0 if it is hidden, or else 0.5.
     glm::dvec3 steady{0};
 };
@@ -38,8 +38,8 @@ class LightMeans {
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Stores the results of all points in `points`. `rays` is a temporary buffer.
-    /// Adds the number of rays to `shadow_rays`. Thread-safe.
+    /// Sets the mean radiance of each of the `points`. `rays` is a temporary buffer. Thread-safe.
+    /// Adds the number of rays to `shadow_rays`.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

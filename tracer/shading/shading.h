@@ -61,7 +61,7 @@ struct Lit {
 
 /// The reflected and the refracted ray at a hit: weights, and what determines their directions.
 struct Continuation {
-    /// Factors by which the radiance of the two rays is multiplied.
+    /// Factors by which the radiance of the reflected and the refracted ray is multiplied.
     /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.
     glm::dvec3 reflected{0}, transmitted{0};
     double d_n = 0, eta = 1, root = 0;  ///< direction . normal; ratio of indices; cosine of the refracted ray

@@ -18,8 +18,8 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette: a reflected or refracted ray is traced with a probability of its weight's largest
-    /// channel, and its weight is divided by this probability. This needs fewer rays but gives more noise.
+    /// Russian roulette: traces a reflected or refracted ray with a probability of its weight's largest
+    /// channel, and divides its weight by this probability. This needs fewer rays but gives more noise.
     bool roulette = false;
 };
 
@@ -29,18 +29,18 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factors by which the caller multiplies the radiance of the rays. If empty, all are 1.
+    /// Factors by which the caller multiplies the radiance of the eye rays. If empty, all are 1.
     /// They only serve to omit reflected and refracted rays that contribute less than `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
-    /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray.
-    /// `less` decides by this position whether a node is clamped.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
+    /// The position determines whether the point's radiance is clamped (`less`).
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// Per ray, the only node that counts in `left_out`. Then `radiance` is not computed, and only the path
-    /// to the node is traced. If empty, `left_out` is 0.
+    /// Per ray, the only surface point whose excluded light is added to `left_out`. If empty, `left_out` is
+    /// 0. Only the path to the point is traced, and `radiance` is not computed.
     std::vector<NodeIdentity> left_out_of;
 };
 
@@ -49,20 +49,20 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe.
-    /// The same rays in the same order give bit-identical results.
+    /// Traces all eye rays with their reflections, refractions and shadow rays, and sets `eye.radiance`.
+    /// Thread-safe. The same rays in the same order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// True if eye rays are passed to Embree as coherent rays. This doubles the speed with a pinhole.
-    /// With moving geometry, it almost halves the speed (docs/performance.md).
+    /// Returns true if eye rays are passed to Embree as coherent rays, which doubles the speed with a
+    /// pinhole. With moving geometry, it would almost halve the speed (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
-    /// True if objects or lights move, so that rays need their instants.
+    /// Returns true if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
 
   private:
     struct PathRay;
     struct Workspace;
-    // What is needed to shade a hit on an object, in order of increasing work.
+    // How much is needed to shade a hit on an object, in order of increasing work.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -78,9 +78,11 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether EyeRays::left_out gets the radiance that clamping removes from this node.
+    /// Returns true if the light that clamping removes from this surface point is added to
+    /// EyeRays::left_out.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
-    /// Returns whether the light of this node is wanted, and not only that of nodes behind it.
+    /// Returns true if the light at this surface point is needed, and not only the points behind it on the
+    /// ray's path.
     [[nodiscard]] bool wants_light(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const {
         return eye.left_out_of.empty() || counts_as_left_out(ray, object, eye);
     }

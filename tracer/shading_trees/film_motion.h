@@ -16,25 +16,25 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s` is the instant of the records. Positions are predicted for the instants `instants_s`.
-    /// `motion` must have been made from `camera`.
+    /// `from_s` is the instant at which the scene is recorded. Image positions are predicted for
+    /// `instants_s`. `motion` must have been made from `camera`.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
     /// Returns the raster position, px, at instant i of a point of object `id`. Empty behind the camera.
-    /// `point` is its world position at `from_s`, m.
+    /// `point` is the world position, m, that the point has at `from_s`.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i of the background at infinity in `direction`.
+    /// Returns the raster position, px, at instant i of the infinitely distant background in `direction`.
     /// For an orthographic camera, returns `at`, the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// True if the pose of the camera or of an object at some instant differs from its pose at `from_s`.
+    /// Returns true if the camera's or an object's pose at some instant differs from its pose at `from_s`.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
-    /// True if the motion of the camera causes parallax. A rotation about the pinhole causes none.
+    /// Returns true if the motion of the camera causes parallax. A rotation about the pinhole causes none.
     [[nodiscard]] bool parallax() const { return parallax_; }
     /// Returns false only if the ray certainly hits no moving object beyond the distance t, m.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
@@ -45,7 +45,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving object (by id) and instant, the matrix from world positions at `from_s` to those then.
+    /// For each moving object (by id) and instant, the matrix that moves its world positions from `from_s`
+    /// to the instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

@@ -58,15 +58,16 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further: just before the last hit, because
-    // another surface may be there, too, such as a floor under a box.
-    // After a repeated hit (`beyond`), it is just behind the hit.
+    // Returns the distance, m, from which the ray is traced further. It is just before the last hit,
+    // because another surface may coincide with it, such as a floor under a box. After a repeated hit
+    // (`beyond`), it is just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of a ray to its chain. Returns false if the ray needs no further hits.
+    // Adds the next hit of a ray to the surfaces that it has passed. Returns false if the ray needs no
+    // further hits.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -79,7 +80,8 @@ class Follower {
     }
 
   private:
-    // Adds the surface of a hit to the ray's chain, unless it is the exit from an object or a repeated hit.
+    // Adds the surface of a hit to those that the ray has passed, unless it is the exit from an object or a
+    // repeated hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -96,8 +98,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray that has entered one part, such as a leaf of a tree, may meet the back of another part.
-        // It has then not left the first.
+        // A ray inside one part of an object, such as a leaf of a tree, may meet the back of another part.
+        // It has then not left the first part.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -111,7 +113,7 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next surface on the ray, or the background, to the chain.
+    // Adds the next surface on the ray, or the background, to those that the ray has passed.
     // If it is hidden and needed, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
@@ -138,14 +140,14 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // Without parallax, motion never reveals a surface at rest behind another at rest.
+        // Without parallax, motion never reveals a surface at rest behind another surface at rest.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // True if some lens point may see surface `s` past the surfaces in front of it.
-    // Adds the inverse depth of `s` to the chain.
+    // Returns true if some lens point may see surface `s` past the surfaces in front of it.
+    // Then counts `s` among the surfaces in front of the next one.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -157,8 +159,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // A lens sees more of an object in a mirror or behind glass past an edge, because it is deeper.
-        // The mirror or glass therefore counts as seen if a surface at any depth would be.
+        // An image in a mirror or in glass is deeper than the mirror, so a lens sees more of it past an
+        // edge. The mirror or glass therefore counts as seen if a surface at any greater depth would be
+        // seen.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -174,8 +177,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if motion may uncover surface `s`. Adds the raster positions of `s` to the chain.
-    // Each surface in front of `s` must have another raster position at some instant.
+    // Returns true if motion may uncover surface `s`.
+    // For this, each surface in front of `s` must have another raster position at some instant.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

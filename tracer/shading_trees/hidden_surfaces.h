@@ -18,22 +18,24 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per eye ray if `motion` is set. Images rarely show more on one ray.
+    /// Largest number of hidden surfaces per eye ray that motion may reveal. Images rarely show more on one
+    /// ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if only a lens can reveal them.
+    /// Largest number of hidden surfaces per ray if only a wide lens can reveal them.
     /// Behind an edge, a lens reveals less than motion does.
     static constexpr int most_seen_past = 3;
-    /// A strip of a hidden surface up to this width, px, is invisible: a pixel is the mean of four or more
-    /// samples.
+    /// A part of a hidden surface up to this width, px, is invisible, because a pixel is the mean of four
+    /// or more samples.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered`.
+    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered` per ray.
     /// Each surface in front must, at some instant, be more than `same_place_px` away on the raster.
     const FilmMotion* motion = nullptr;
-    /// If not null, also returns surfaces that some lens point may see, even after reflection and refraction.
+    /// If not null, also returns surfaces that some lens point may see, directly or by reflection and
+    /// refraction.
     const LensReach* lens = nullptr;
-    /// The parts of all objects. Null if every object is a single part.
+    /// The connected parts of all objects. Null if every object is a single part.
     const ObjectParts* parts = nullptr;
     double same_place_px = invisible_px;  ///< only for `motion`; `lens` has its own
 
@@ -51,7 +53,7 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, of the image of an infinitely distant point on the ray (LensReach).
+    /// Returns the inverse depth, 1/m, at which an infinitely distant point on the ray appears.
     /// It is 0 for an eye ray, but not after a curved mirror.
     [[nodiscard]] double inverse_depth_limit() const;
 };

@@ -46,7 +46,7 @@ LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double ap
         thread_local std::vector<glm::dvec2> positions;
         thread_local TracedSamples traced;
         positions.clear();
-        // Each packet of 16 rays is a block of 4 x 4 pixels.
+        // Each packet of 16 rays is a block of 4 x 4 pixels, so its rays are coherent.
         for (int block = 0; block < tile * tile / 16; ++block) {
             for (int k = 0; k < 16; ++k) {
                 const int x = left + block % 4 * 4 + k % 4, y = top + block / 4 * 4 + k / 4;
@@ -120,10 +120,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // edge_for(nearest) searches for an edge of the covers, as far as the image of a surface with the
-    // inverse depth `nearest` shifts relative to the hidden one.
+    // How far away, px, an edge may reveal the hidden surface: the surface in front shifts so far against
+    // it over the lens.
     const double radius = k * (covers.nearest - behind) + margin_px;
-    // An upper bound for all surfaces close to the ray rejects most rays.
+    // First tries an upper bound of all inverse depths around the ray, which rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;
     // A nearer surface beside the covers may hide their edge.

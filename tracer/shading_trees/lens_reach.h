@@ -27,42 +27,46 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Margin, px, around the strip of a hidden surface that the lens sees:
-    /// - The position of an edge is known only up to the diagonal of a pixel.
-    /// - The strip must include the corners of all pixels that show it.
+    /// Margin, px, around the part of a hidden surface that the lens sees past an edge:
+    /// - The position of the edge is known only up to the diagonal of a pixel.
+    /// - The corners of all pixels that show the part must be included.
     static constexpr double margin_px = 2.5;
-    /// Least slope of an edge: the relative shift of two surfaces' images over the lens, px, per px of
-    /// distance. A plane has this slope only if it is so oblique that no lens point sees behind it.
+    /// Two surfaces form an edge if their images' relative shift over the lens, px, changes at least this
+    /// much per px. A plane has this slope only if it is so oblique that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
-    /// Largest number of bounces after which hidden surfaces are recorded. Later ones are numerous and faint.
+    /// Largest number of reflections and refractions after which hidden surfaces are recorded.
+    /// Later ones are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
-    /// Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
-    /// Surfaces whose images shift by less than `same_place_px` relative to each other count as one.
+    /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin,
+    /// y_end). Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
+    /// Surfaces whose images shift by less than `same_place_px` against each other over the lens count as
+    /// one.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces that one ray has passed so far ("covers"), which may hide the next one.
+    /// The surfaces that one ray has passed so far, which may hide the next one from the lens.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray.
+        /// Inverse depth, 1/m, at which an infinitely distant point on the ray appears.
         /// It is 0 for an eye ray, but not after a curved mirror.
         double limit = 0;
     };
-    /// Returns whether some lens point may see a surface behind all `covers`, on the same ray.
-    /// `behind` is its inverse depth, 1/m. If false, certainly no lens point sees it.
+    /// Returns true if some lens point may see the next surface on the ray past the surfaces in front
+    /// (`covers`). `behind` is the next surface's inverse depth, 1/m. If false, certainly no lens point
+    /// sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns whether some lens point may see a surface at any distance behind all `covers`, on this ray.
+    /// Returns true if some lens point may see a surface at any depth behind all `covers`, on the same ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth of a node, 1/m: half the trace of W, a mean over the two raster axes.
+    /// Returns the inverse depth, 1/m, of a recorded point: the mean of the diagonal of `w`, which has one
+    /// value per raster axis.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -80,8 +84,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Lens radius, m, divided by the camera's tangent per pixel. It converts a difference of inverse depths
-    /// to the shift of two images, px, from the centre of the lens to its outline.
+    /// Lens radius, m, divided by the camera's tangent per pixel. It converts a difference of inverse
+    /// depths to the shift, px, of two images against each other from the lens centre to its rim.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -25,8 +25,8 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Throughput times the radiance of this node that does not come from its lobes.
-    /// Noise is less visible on a brighter node, so it gets fewer rays.
+    /// Throughput times the point's radiance that does not come from its glossy lobes.
+    /// Noise is less visible on a brighter point, so it gets fewer rays.
     glm::dvec3 beside{0};
 };
 
@@ -59,8 +59,9 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance over the lobe of hits[i], without the factor hits[i].weight.
-    /// Adds the numbers of rays to counts.reflect, counts.refract and counts.shadow. Thread-safe.
+    /// Sets means[i] to the mean radiance over the glossy lobe of hits[i], without the factor
+    /// hits[i].weight. Adds the numbers of rays to counts.reflect, counts.refract and counts.shadow.
+    /// Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:

@@ -89,13 +89,14 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // At most three parts of a square for each of at most 31 levels, so 128 entries suffice.
+    // 128 entries suffice: on each of at most 31 levels, at most three quarters of a square wait to be
+    // searched.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false if the search
-    // ended.
+    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level of the pyramid.
+    // Returns false if the search ended.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);
@@ -115,7 +116,7 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // On this level, the circle overlaps at most 2 x 2 squares.
+    // Starts on the level where the search circle overlaps at most 2 x 2 squares.
     // Most circles are small, so a search from the top of the pyramid would take longer.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);

@@ -11,17 +11,17 @@ namespace postlens {
 /// Values at integer positions, and the least and greatest value of squares of 2, 4, 8, ... positions.
 class MinMaxPyramid {
   public:
-    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
+    /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// The search region around the position `at`. It contains a value at a distance d <= radius from `at`
-    /// if the value is less than `top` by at least `least` and by at least slope * d.
+    /// Search region for values much less than `top`. A value at a distance d <= radius from `at` is inside
+    /// if it is less than `top` by at least `least` and by at least slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square at which an earlier search ended. It is tested first, because a nearby cone probably
-    /// contains it, too. A hint from another pyramid is allowed.
+    /// The square at which an earlier search ended. It is tested first, because a nearby search probably
+    /// ends there, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
@@ -29,15 +29,15 @@ class MinMaxPyramid {
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
     /// Like any_in, but several times faster for wide cones. The result does not depend on the hint.
-    /// It may be true for a value outside the cone by up to an eighth of the radius.
+    /// It may also be true for a value that lies outside the cone by up to an eighth of the radius.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns the maximum of the values within `radius` of `at`, and at least `floor`.
+    /// Returns the greatest value within `radius` of `at`, or `floor` if all are less.
     /// Values up to 9/8 of the radius away may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of greatest(at, radius, floor), from only a few squares.
+    /// Returns an upper bound of greatest(at, radius, floor), computed fast from only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -54,7 +54,8 @@ class MinMaxPyramid {
     [[nodiscard]] int coarse_level(double radius) const;
     /// Returns the lowest level whose squares are at least `px` wide, or else the highest level.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares of a level that overlap the bounding box of a circle, or the nearest to it.
+    /// Returns the squares of one level that overlap the bounding box of a circle, or else the nearest
+    /// squares.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {

@@ -19,13 +19,14 @@
 namespace postlens {
 
 struct WhittedSettings {
-    /// Largest number of nodes along a path, including the primary node: 1 to NodePath::max_bounces + 1.
+    /// Largest number of surfaces along a path of reflections and refractions, including the first surface:
+    /// 1 to NodePath::max_bounces + 1.
     int max_depth = 5;
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. If a lobe is wider than this lens (lobe_is_wide), its mean radiance is recorded.
-    /// Otherwise, the radiance from the exact direction is recorded. If 0, all lobes are averaged.
+    /// Lens radius, m. For a glossy lobe that is wider than this lens, the mean radiance is recorded. For a
+    /// narrower lobe, the radiance from the exact direction is recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
@@ -70,14 +71,14 @@ struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
     /// For each record, the part of its radiance (r, g, b) that has sampling noise:
-    /// - means over lobes
-    /// - in a penumbra of an area light, the light minus its noise-free estimate (ExtentLit::steady)
+    /// - means over glossy lobes
+    /// - in the penumbra of an area light, the light minus its noise-free estimate (ExtentLit::steady)
     ///
     /// Empty if no record has noise.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// One entry per record, set only for nodes after a bounce.
+    /// One entry per record, set only for points seen by reflection or refraction.
     /// Empty if the scene has neither mirror nor glass, or nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
@@ -85,7 +86,7 @@ struct TracedSamples {
 class WhittedTracer {
   public:
     /// Keeps references to `scene`, `camera` and all objects to which `settings` and `hidden` point.
-    /// Hidden surfaces are shaded as if nothing were in front. They do not change the bits of visible ones.
+    /// Hidden surfaces are shaded as if nothing were in front. Visible surfaces do not depend on them.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -94,16 +95,16 @@ class WhittedTracer {
     WhittedTracer(WhittedTracer&&) = delete;
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
-    /// Traces point samples at raster positions, px. Fastest if each group of 16 is close together.
-    /// `around(i)` returns earlier samples near positions[i], from which bend_around estimates `w_bend`.
-    /// Thread-safe.
+    /// Traces eye rays through raster positions, px. Fastest if each group of 16 is close together.
+    /// Thread-safe. `around(i)` returns earlier samples near positions[i], from which `w_bend` is estimated
+    /// where possible.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Image displacement, px, by `w_bend` (second-order motion over the lens), up to which it counts as
-    /// little. bend_around then uses nearby samples even if they differ.
+    /// An image's nonlinear motion over the lens, px, up to which it counts as small.
+    /// It is then estimated from nearby samples even if they differ.
     static constexpr double little_bend_px = 0.125;
 
-    /// True if a material reflects or transmits, so that there may be nodes after a bounce.
+    /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.
     [[nodiscard]] bool has_deeper_nodes() const;
     /// True if `w_bend` (Record) is measured.
     [[nodiscard]] bool measures_bends() const;

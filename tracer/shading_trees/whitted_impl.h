@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current generation (all rays with the same number of bounces).
-    // `origin` lies exactly on the surface. The ray in Embree's packet starts slightly off the surface.
+    // A ray to be traced next. All rays of one generation have the same number of bounces.
+    // `origin` lies exactly on the surface. The ray that is passed to Embree starts slightly off it.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
@@ -34,7 +34,7 @@ struct WhittedTracer::Impl {
         int root_depth = 0;  // depth of the first node of its layer
     };
 
-    // The contribution of a light to a node, before occlusion is tested.
+    // The contribution of a light to a surface point, before its shadow ray is traced.
     struct Shadow {
         std::uint32_t node = 0;
         glm::dvec3 radiance{0};
@@ -50,14 +50,14 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The node to which the mean over a lobe is added, and `share`, the factor of this mean.
+    // The surface point to which the mean radiance over a glossy lobe is added, multiplied by `share`.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // An array whose items are filled in place, one field at a time, and reused.
-    // Copying finished items took longer than shading.
+    // An array whose items are filled in place and reused, because copying finished items took longer than
+    // shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -82,13 +82,13 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Reflected and refracted rays with their hits, behind which a lens may see hidden surfaces.
+        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if `w_bend` is measured. `bent` contains the nodes to be measured.
-        // bounces[ray.differentials] lists the objects where a ray bounced.
+        // Used only if `w_bend`, the nonlinear motion over the lens, is measured at the points `bent`.
+        // bounces[ray.differentials] lists the objects on which a ray bounced.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
@@ -122,15 +122,15 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
-    // An exit from glass is not stored: the transmitted ray finds what is behind.
+    // Does not store an exit from glass, because the transmitted ray finds what is behind.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces the hidden surfaces that are seen in mirrors or through glass.
-    // Each of them starts its own layer of records, which does not repeat the mirror or glass.
+    // Each starts its own layer of records, which does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Adds a hidden surface as the root of a shading tree, shaded as if nothing were in front of it.
+    // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
-    // Adds a node and sets everything in it except depth, id, W and radiance.
+    // Adds a surface point that the ray hits. The caller must set its depth, id, W and radiance.
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -150,13 +150,14 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node for the later measurement of `w_bend`, the second-order error of W, unless W is exact.
-    // `s` is null if the ray hit nothing.
+    // Stores a surface point, so that `w_bend`, its nonlinear motion over the lens, is measured later.
+    // Does nothing if the motion is exactly linear. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` from earlier samples nearby. Nodes without an estimate remain in w.bent.
+    // Estimates `w_bend` from earlier samples nearby. Points without an estimate remain in w.bent, to be
+    // measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the nodes, ordered by bounces, to records, ordered by sample, layer and path.
+    // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 
