@@ -17,8 +17,7 @@ Material whitted_material(const MetallicRoughness& from) {
         m.transmission = dvec3(through);
         return m;
     }
-    // Below this roughness, glossy lobes are narrower than a pixel, so the material counts as perfectly
-    // specular.
+    // Below this roughness, lobes are narrower than a pixel, so the material counts as perfectly specular.
     constexpr double smoothest = 0.02, largest_exponent = 1e6;
     const double a = from.roughness * from.roughness, q = (1 - from.roughness) * (1 - from.roughness);
     const double ratio = (from.ior - 1) / (from.ior + 1);
@@ -44,8 +43,7 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, some light passes straight through, so transmission is not spread over a
-        // lobe.
+        // If alpha is below 1, some light passes straight through, so transmission is not blurred.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

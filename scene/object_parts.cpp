@@ -32,8 +32,7 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh) {
-    // A side of a triangle. Sides are grouped by the lower of their vertex indices, so only the higher one
-    // is stored.
+    // A side of a triangle. Sides are grouped by their lower vertex index, so only the higher is stored.
     struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };

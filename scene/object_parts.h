@@ -34,14 +34,13 @@ class ObjectParts {
     explicit ObjectParts(const Scene& scene);
     /// Returns true if any object has several parts.
     [[nodiscard]] bool any() const { return any_; }
-    /// Returns the index of the connected part of an object's mesh that contains a triangle. It is unique
-    /// in the scene. `object` is an index into Scene::objects. For other shapes, `triangle` is ignored.
+    /// Returns the index, unique in the scene, of the connected part of a mesh that contains a triangle.
+    /// `object` is an index into Scene::objects. For other shapes, `triangle` is ignored.
     [[nodiscard]] std::uint32_t part(std::size_t object, std::size_t triangle) const {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns the index of the connected part of each triangle of an object's mesh. Empty if the object is
-    /// not a mesh.
+    /// Returns the connected part of each triangle of an object's mesh. Empty if there is only one part.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }

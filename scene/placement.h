@@ -20,8 +20,8 @@ struct Placement {
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
-    /// Largest distance between a column of the matrix and that of the placement, divided by the longest
-    /// column's length.
+    /// Largest distance between a column of the matrix and that of the placement, relative to the longest
+    /// column.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

@@ -42,8 +42,8 @@ struct Sampler {
         return worst;
     }
 
-    // Appends keyframes between a and b, as many as the tolerance needs, and then b. The caller has already
-    // appended a.
+    // Appends as many keyframes between a and b as the tolerance needs, and then b. The caller has appended
+    // a.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

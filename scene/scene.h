@@ -36,8 +36,8 @@ struct Material {
     /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction, or infinity
-    /// for none. The tracer averages over a lobe that is wider than the lens, as seen from the surface.
+    /// Exponents n of the lobes cos^n around the reflected and the refracted direction, or infinity for no
+    /// lobe. The tracer averages over a lobe that is wider than the lens, as seen from the surface.
     /// Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
@@ -52,7 +52,6 @@ struct Material {
     [[nodiscard]] bool reflects() const {
         return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
     }
-    /// Returns true if the material has a specular highlight at some angle.
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
     }

@@ -105,7 +105,6 @@ CameraRay CameraModel::ray(double x, double y) const {
         const double metres_per_px = pixel_pitch_mm * 1e-3;
         return {position + (px * metres_per_px) * right + (py * metres_per_px) * down, forward, 1.0};
     }
-    // Multiplies by the reciprocal length, because one division is faster than three.
     const double tx = px * tangent_per_px, ty = py * tangent_per_px;
     const double cosine = 1 / std::sqrt(1 + tx * tx + ty * ty);
     return {position, (forward + tx * right + ty * down) * cosine, cosine};

@@ -57,8 +57,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // Hashes the seed of each half of the samples, so that renders with neighbouring --seed values
-            // share no half.
+            // Hashes the seed of each half of the samples, so that renders with neighbouring --seed share no
+            // half.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -68,16 +68,16 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks into which a pixel's samples are divided, and the number of groups per
-    /// block. A group is up to 16 samples of one pixel that are traced together.
+    /// Returns the number of blocks of a pixel's samples, and the number of groups in each block.
+    /// A group is up to 16 samples of one pixel that are traced together.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks [begin, end) of each pixel's samples that this run renders. With --share, these are not
-    /// all blocks.
+    /// The blocks [begin, end) of every pixel's samples that this run renders. With --share, these are not
+    /// all.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -103,8 +103,7 @@ class Renderer {
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Returns the number of finished samples per pixel of a tile. It is the same for all pixels of the
-    // tile.
+    // Returns the number of finished samples per pixel, which is equal for all pixels of a tile.
     [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
@@ -119,8 +118,7 @@ class Renderer {
         return done;
     }
 
-    // Traces the next samples, up to 16 per pixel, of the tiles in [begin, end). Skips tiles that already
-    // have them.
+    // Traces the next samples, up to 16 per pixel, of tiles [begin, end). Skips tiles that already have them.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {

@@ -48,8 +48,8 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// The part of the image to render, bit-identical to that of the complete image. Tiles of 8 px outside
-    /// it stay black. A resumed run may use another crop.
+    /// The part of the image to render, bit-identical to the complete image. Tiles of 8 px outside it stay
+    /// black. A resumed run may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
     /// Text that marks each written file as one part of a render, to be merged (pictures/picture_part.h).

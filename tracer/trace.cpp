@@ -197,8 +197,8 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // Memory per pixel for the surfaces that a lens sees past edges: one inverse depth (a float), and a
-    // pyramid of minima and maxima, with two floats per square and 4/3 squares per pixel.
+    // Inverse depths: one float per pixel, and a pyramid of minima and maxima,
+    // with two floats per square and 4/3 squares per pixel.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -307,8 +307,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The file's header describes this camera. The scene that is traced is translated so that the camera is
-    // at the origin.
+    // The file's header describes this camera. The traced scene is translated so that the camera is at the
+    // origin.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -354,16 +354,15 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods blur motion from the frame's own instant alone, so its overscan must suffice for the
-    // whole shutter interval.
+    // Some methods blur motion from the frame's own instant alone, so its overscan must suffice for the whole
+    // shutter.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree, so it must be fine enough for the narrow objects at every
-    // instant.
+    // All recorded instants share one quadtree, so it must resolve the narrow objects of every instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

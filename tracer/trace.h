@@ -21,16 +21,16 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// If true and `for_f_number` is set, pixels are subdivided to at least `lens_levels` levels at edges
-    /// of objects. `subdivision.levels` then limits only the subdivision due to contrast.
+    /// If true and `for_f_number` is set, pixels are subdivided to at least `lens_levels` levels at edges of
+    /// objects. `subdivision.levels` then limits only the subdivision due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Value of `subdivision.levels` for methods that trace additional rays where the samples are too
-    /// coarse. docs/planner.md compares the times for other values.
+    /// Value of `subdivision.levels` for methods that trace further rays where the samples are too coarse.
+    /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, if `keys`
-    /// is absent. At 15 degrees, a strip of a turning ball is recorded at neither instant: 0.9 % of its
-    /// radius (1 - cos 7.5 degrees).
+    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, if `keys` is
+    /// absent. At 15 degrees, 0.9 % of a turning ball's radius is recorded at neither instant (1 - cos 7.5
+    /// degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
@@ -46,8 +46,8 @@ struct TraceSettings {
     /// Their rays replace the samples at edges of objects, half a pixel to a pixel on each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// Its `lens_radius_m` is set by trace_to_file for the f-number `for_f_number`, or else the camera's,
-    /// or else 1.4. With `for_f_number`, `bend_radius_m` gets the same value.
+    /// trace_to_file sets its `lens_radius_m` for the f-number `for_f_number`, or else the camera's, or else
+    /// 1.4. With `for_f_number`, `bend_radius_m` gets the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -61,14 +61,13 @@ struct TraceSettings {
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
     /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64. With 1, only the frame's own is
-    /// recorded. If absent, it is chosen from the motion and the changing light in `for_shutter`.
+    /// recorded. If absent, it is chosen from the motion and the changing light.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
-    /// If set, only this share of the rows is traced (trace_share.h). In all other rows, the rays hit
-    /// nothing.
+    /// If set, only this share of the rows is traced (trace_share.h). All other rows are recorded as empty.
     std::optional<Share> share;
     /// If set, called before the trace with the predicted size of the file in bytes (expected_size.h).
     /// An exception from this function ends the trace.
@@ -79,8 +78,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that eye rays may miss, because they are narrower than the smallest cells or too
-    /// many. Without subdivision, counts all objects narrower than 1.5 px.
+    /// Number of objects that rays may miss, because they are narrower than the smallest cells or too many.
+    /// Without subdivision, counts all objects narrower than 1.5 px.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants

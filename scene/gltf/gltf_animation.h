@@ -20,19 +20,18 @@ struct GltfCurve {
     std::size_t components = 3;   ///< 4 for a rotation, which is a quaternion x, y, z, w
     std::vector<double> values;   ///< one per keyframe; cubic_spline: in-tangent, value, out-tangent
 
-    /// Returns the interpolated value at a time. Rotations are unit quaternions. Linear curves interpolate
-    /// rotations by slerp along the shorter arc. Cubic curves normalise the result.
+    /// Returns the interpolated value at a time. Rotations are unit quaternions.
+    /// Linear curves interpolate rotations by slerp along the shorter arc. Cubic curves normalise the result.
     [[nodiscard]] std::array<double, 4> at(double time_s) const;
 };
 
 /// The curves of one node.
 struct GltfNodeCurves {
     std::optional<GltfCurve> translation, rotation, scale;
-    /// Returns the node's placement at a time. `own` provides the translation, rotation or scale that has
-    /// no curve.
+    /// Returns the node's placement at a time. `own` provides the components that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
-    /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the
-    /// first. An additional time precedes each jump by shortest_key_gap_s.
+    /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
+    /// An additional time precedes each jump by shortest_key_gap_s.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 

@@ -94,8 +94,8 @@ class MaterialReader {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // If the texture cannot be read, the surface emits nothing, because most of an emissive texture
-            // is usually black.
+            // Without its texture, the surface emits nothing, because most of an emissive texture is usually
+            // black.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

@@ -58,8 +58,7 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // Meshes without a material are white and diffuse. glTF's default is a rough white metal, which
-            // authors rarely intend.
+            // White and diffuse. glTF's default material is a rough white metal, which authors rarely intend.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;

@@ -63,7 +63,7 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // The JSON parser also throws other exceptions, such as out_of_range for a number too large for
+        // The JSON parser also throws other exceptions, such as out_of_range for a number too large for a
         // double.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }

@@ -208,8 +208,8 @@ class MeshReader {
         return found == pictures_.end() ? MaterialPictures{} : found->second;
     }
 
-    // Returns how texture images are mapped to a surface: as the diffuse texture, or else as the emissive
-    // texture.
+    // Returns how textures are mapped to the surface: like the diffuse texture, or else like the emissive
+    // one.
     PictureOptions uv_options(const aiMaterial& material) const {
         const MaterialPictures pictures = pictures_of(material);
         return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;

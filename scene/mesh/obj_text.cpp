@@ -140,8 +140,7 @@ class OptionReader {
         return out;
     }
 
-    // Reads one to three numbers into `to`. Ignores the third, which is only for three-dimensional
-    // textures.
+    // Reads one to three numbers into `to`. Ignores the third, which is for three-dimensional textures.
     void read_pair(glm::dvec2& to) {
         constexpr double most = 1e9;
         const std::vector<double> v = take_numbers(3);

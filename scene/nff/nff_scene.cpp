@@ -121,8 +121,7 @@ class NffReader {
 
     int read_resolution() {
         const double pixels = tokens_.number("'resolution'", largest_length_m);
-        // 'angle' is measured between the centres of the first and last row of pixels, so there must be two
-        // rows.
+        // 'angle' is measured between the centres of the first and last row of pixels, so there must be two.
         if (!(pixels >= 2 && pixels <= largest_raster_px) || pixels != std::floor(pixels)) {
             tokens_.fail_here("'resolution' is out of range (got {}; expected a whole number of 2 to {} px)",
                               pixels, largest_raster_px);

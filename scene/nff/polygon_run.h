@@ -17,8 +17,7 @@ class PolygonRun {
     /// `normals` has one vector per corner, of any length, or is empty for a flat polygon.
     /// A normal of length 0 is replaced by that of the polygon.
     PolygonFault add(std::span<const glm::dvec3> corners, std::span<const glm::dvec3> normals);
-    /// Returns the collected mesh and starts a new one. The mesh has vertex normals if any of its polygons
-    /// has.
+    /// Returns the collected mesh and starts a new one. It has vertex normals if any of its polygons has.
     [[nodiscard]] Mesh take();
 
   private:

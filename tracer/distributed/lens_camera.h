@@ -51,8 +51,7 @@ class LensCamera {
     /// Returns true if the lens may block some light. Otherwise, add_rays leaves `weights` unchanged.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// A ray in double precision, with which tests compare the faster float rays. `time` is a fraction of
-    /// the shutter interval.
+    /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -60,14 +59,13 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees the point at distance `t`, m, along a
-    /// lens ray. The ray starts at `unit` on the lens, in lens radii, and belongs to raster position (x,
-    /// y). Not for cameras with a lens prescription.
+    /// Returns where, in raster px, the pinhole sees the point at distance `t`, m, along the ray for (x, y).
+    /// The ray leaves the lens at `unit`, in lens radii. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth of `world`, 1/m, and its derivatives along raster x and y, 1/m per px.
-    /// The derivatives are those of the plane through `world` with this normal. Not for moving cameras.
-    /// All are 0 if the plane is seen edge-on or the camera is orthographic.
+    /// Returns the inverse depth of `world`, 1/m, and its derivatives along raster x and y, 1/m per px, on
+    /// the plane through `world` with this normal. All are 0 if the plane is seen edge-on or the camera is
+    /// orthographic. Not for moving cameras.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point: px per metre perpendicular to the optical axis.
@@ -78,8 +76,7 @@ class LensCamera {
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the camera's frame: origins on the lens, m, and tangents of their angles along the
-    // raster's axes.
+    // Sixteen rays in the camera's frame: lens points, m, and direction tangents along the raster's axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };

@@ -25,7 +25,8 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// Returns all inputs on which the image depends, as one line of JSON.
+    /// Returns all inputs that determine the image, as one line of JSON. A render is resumed only if they are
+    /// equal.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:

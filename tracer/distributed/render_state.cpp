@@ -145,8 +145,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory per pixel: sums (24 bytes each), sample counts (4 bytes each), a copy in the file's layout,
-    // and two float images.
+    // Memory per pixel: sums (24 bytes each), counts (4 bytes), a copy in the file's layout, two float
+    // images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
@@ -320,8 +320,8 @@ std::optional<RenderPart> read_render_part(const std::filesystem::path& path, bo
     const Imath::Box2i& window = header.dataWindow();
     const auto width = static_cast<std::int64_t>(window.max.x) + 1,
                height = static_cast<std::int64_t>(window.max.y) + 1;
-    // Rejects truncated files. The pixels are not compressed, so a complete file is at least as large as
-    // they are.
+    // Rejects truncated files: the pixels are not compressed, so a complete file cannot be smaller than they
+    // are.
     if (width < 1 || height < 1 || header.compression() != Imf::NO_COMPRESSION ||
         static_cast<double>(width) * static_cast<double>(height) * 4.0 *
                 static_cast<double>(words_per_pixel(halves, blocks, with_open)) >

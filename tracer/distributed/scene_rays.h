@@ -23,8 +23,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many planar pieces of surfaces can be drawn in the time that one ray takes. Measured on
-    /// six scenes.
+    /// Returns how many planar pieces of surfaces can be drawn while one ray is traced. Measured on six
+    /// scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

@@ -37,8 +37,7 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // Measures t from the ray's point nearest to the sphere's centre, to avoid cancellation if the ray
-    // starts far away.
+    // Measures t from the ray's point nearest to the sphere, so that a distant origin causes no cancellation.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -231,8 +230,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // Derivative of the cone's normal: (I - e e^T) / (rho * norm), where e = (x, y) / rho points
-            // away from the axis.
+            // Derivative of the cone's normal: (I - e e^T) / (rho * norm). The unit vector e points away from
+            // the axis.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

@@ -12,8 +12,7 @@ namespace postlens {
 
 /// Tolerance, px, for the position error of a moving object in the image.
 struct MotionAccuracy {
-    /// Returns the scale of the image at a world point and an instant, in px per metre. 0 behind the
-    /// camera.
+    /// Returns the scale of the image, px per metre, at a world point and an instant. 0 behind the camera.
     std::function<double(const glm::dvec3& world, double time_s)> px_per_m;
     double tolerance_px = 0.05;
 };

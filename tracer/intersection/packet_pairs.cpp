@@ -156,8 +156,8 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // A ray that starts on this shape must not hit its own origin, so the crossing nearest to t = 0 is
-        // removed.
+        // The ray starts on this shape, so the crossing nearest to t = 0 is its origin. It is removed from
+        // the hits.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 64 times the rounding error of a float. A ray whose origin is moved so far does not hit a triangle
-    // next to the one that it leaves.
+    // 64 times the rounding error of a float. Moved so far, a ray does not hit a triangle next to the one it
+    // leaves.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -62,7 +62,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // Always copies 16 entries. The capacity of the arrays is a multiple of 16, so none lies outside.
+        // The capacity of the arrays is a multiple of 16, so reading 16 entries never exceeds it.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -132,7 +132,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // Always copies 16 entries. The capacity of the arrays is a multiple of 16, so none lies outside.
+        // The capacity of the arrays is a multiple of 16, so writing 16 entries never exceeds it.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);

@@ -111,21 +111,17 @@ class RayScene {
     RayScene(RayScene&&) = delete;
     RayScene& operator=(RayScene&&) = delete;
 
-    /// Finds the nearest hit of every ray. Pass `coherent` if the rays of each group of 16 are almost
+    /// Finds the nearest hit of every ray. `coherent` means that the rays of each group of 16 are almost
     /// parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Computes the transmittance along each ray's segment, for shadows. Rays are not refracted
-    /// [whitted1980]. Each crossing of a transparent surface multiplies the transmittance by the surface's
-    /// colour.
+    /// Computes the transmittance along each shadow ray. Rays are not refracted [whitted1980].
+    /// Each crossing of a transparent surface multiplies the transmittance by the surface's colour.
     void occlude(RayBatch& rays) const;
-    /// Computes the surface point that the ray o + t d,
-    /// d
-    /// = 1, hits, in double precision.
+    /// Computes the surface point that the ray o + t d, |d| = 1, hits, in double precision.
     /// `t` is the distance found by `intersect`, and `time` the ray's instant, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Like `surface`, but faster: computes only the object, the texture position and the distance of the
-    /// hit.
+    /// Like `surface`, but faster: computes only the object, texture position and distance of the hit.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
     /// Returns the object that was hit, as an index into Scene::objects.
@@ -133,8 +129,8 @@ class RayScene {
     /// Returns the derivative of the outward unit normal, 1/m: d(normal) = shape_operator * d(position).
     /// Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Returns how far, in metres, the origin of a ray is moved off a surface at `p`, so that the ray does
-    /// not hit the surface again.
+    /// Returns how far, in metres, a ray's origin is moved off a surface at `p`, so as not to hit the surface
+    /// again.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;

@@ -96,8 +96,7 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // Transforms a normal to world space by the inverse transpose: times the transpose of `base`, divided
-    // by the scale, rotated.
+    // Normals transform by the inverse transpose: the transpose of `base`, then 1 / scale, then the rotation.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -154,8 +153,8 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
-            // If the winding and the vertex normals disagree about which side is outside, the vertex
-            // normals decide.
+            // If the winding and the vertex normals disagree about which side is outside, the vertex normals
+            // decide.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }

@@ -156,8 +156,7 @@ void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
 void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
-    // The bounding box is slightly larger than the sphere, because rounding may place a hit just outside
-    // the sphere.
+    // The box is slightly larger than the sphere, because rounding may place a hit just outside the sphere.
     const float grown = set.radius[args->primID] * 1.000001F +
                         4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};

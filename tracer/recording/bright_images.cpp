@@ -79,8 +79,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Assumes that every mirror or glass object shows two images of each bright object, to limit the number
-    // of cells.
+    // To limit the cells, assumes that every mirror or glass object shows two images of each bright object.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -119,8 +118,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear model of the cell's rays: a ray misses the bright object's centre by middle + by_cell *
-        // position, m. `position` is where the ray starts, in cell widths from the cell's middle.
+        // Linear model: a ray of the cell misses the bright object's centre by middle + by_cell * position,
+        // m. `position` is the ray's position in the cell, in cell widths from the middle.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);

@@ -36,9 +36,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`.
-    /// `at` holds the reflected or refracted rays from the cell's corners: upper left, upper right, lower
-    /// left, lower right.
+    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`. `at`
+    /// holds the reflected or refracted rays from the cell's corners: upper left, upper right, lower left,
+    /// lower right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -46,8 +46,7 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a hierarchy of bounding spheres, stored depth first. It contains the spheres [first, last)
-    /// of `spheres_`.
+    /// A node of a bounding-sphere hierarchy, stored depth first, around `spheres_` [first, last).
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

@@ -31,10 +31,9 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns true if the eye ray through the cell's centre sees another surface than those at the
-    /// corners. The cell must then be divided. `centre` is the index of the central sample.
+    /// Returns true if the eye ray through the cell's centre sees another surface than those at the corners.
+    /// `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// A flag to set on a recorded surface point, which is given by its index in an array of records.
     struct Mark {
         std::uint32_t chunk = 0, record = 0;
         std::uint8_t mark = 0;
@@ -65,14 +64,13 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// Returns true if the cell is wider than 2^-levels px, so that a limit of `levels` divisions still
-    /// allows one.
+    /// Returns true if the cell is wider than 2^-levels px, so a limit of `levels` divisions still allows
+    /// one.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in the trees
-    /// of all other samples. They belong to the same object after the same bounces. Empty if a sample has
-    /// none.
+    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
+    /// trees: points of the same object after the same bounces. Empty if a tree has none.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the surface point that a shading tree contains after this sequence of bounces.
     /// Tests the index `guess` first, because most corners of a cell have similar trees.
@@ -103,8 +101,6 @@ class CellSplit {
     /// Returns true if hidden surfaces at the corners of a cell differ so much that it must be divided.
     /// Compares only hidden surfaces after the same bounces. Corners without one are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the sequence of bounces, as bits, that leads to record `at` of a sample. Returns `none` if
-    /// there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

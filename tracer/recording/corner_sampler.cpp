@@ -134,8 +134,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces eye rays through the pixel corners of a band of rows. Skips the uppermost corners if the band
-    // above has traced them.
+    // Traces the pixel corners of a band of rows. Skips the uppermost corners if the band above has traced
+    // them.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -215,9 +215,9 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. A small object or shadow may lie between pixel corners,
-    // so the centres of a divided pixel's left and right neighbours are traced.
-    // A neighbour whose centre differs from its corners is divided, too.
+    // Returns the pixels to divide. A small object may lie between pixel corners, so the centres of their
+    // left and right neighbours are traced, too. A neighbour whose centre differs from its corners is
+    // divided.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -255,8 +255,7 @@ class BandSampler {
         return cells;
     }
 
-    // Traces the centre of each cell, and adds the cells whose centre differs from their corners to
-    // `divided`. Then discards the central samples.
+    // Adds the cells whose centre sees another surface than their corners to `divided`.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -280,8 +279,7 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre of every cell and the midpoints of its sides. A midpoint that cells share is traced
-    // once.
+    // Traces the centre of every cell and the midpoints of its sides, each only once even if cells share it.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
         // One list of points per row of pixels, and one for the lower edge of the band of rows.
         // A point on the edge between two rows belongs to the lower row.
@@ -313,8 +311,6 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the index of the sample at a cell's centre or at the midpoint of a side, in this row of
-    // pixels.
     [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -326,8 +322,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
-    // of the band of rows belongs to the pixel above, whose corners are already traced.
+    // Returns the samples at the corners of the pixel that contains a point. On the lower edge of the traced
+    // rows, this is the pixel above, whose corners are already traced.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -172,7 +172,6 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         cameras.emplace_back(camera, instants_s.back(), overrides);
     }
     std::vector<TimeSpan> visits;
-    // Adds every uninterrupted time span in which `holds(i)` is true at the tested instants i.
     const auto add_spans = [&](const auto& holds) {
         bool before = false;
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -191,8 +190,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale of the object along its own axes at each instant, to find when it is large. 0 while it is
-        // out of view.
+        // Scale of the object along its own axes at each instant. 0 while it is out of view.
         std::vector<dvec3> sizes;
         std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
@@ -209,8 +207,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // The camera sees other surfaces from inside an object than from outside, so the time spans inside
-        // are listed, too.
+        // Also lists the times inside the object, because the camera then sees other surfaces than from
+        // outside.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -226,8 +224,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Ignores time spans so short that they contain no recorded instant, for any number of instants up to
-    // `most`.
+    // Ignores time spans so short that they contain no recorded instant, however many there are.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, if the scene is recorded at `recorded_s` and once every `between`
-    /// time steps. If `between` is 0, it is recorded only at `recorded_s`.
+    /// Returns the predicted PSNR, dB, if the scene is recorded at `recorded_s` and once every `between` time
+    /// steps. If `between` is 0, it is recorded only at `recorded_s`.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -114,7 +114,7 @@ class LightChange {
     }
 
     // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
-    // instants, so that objects which are in view only briefly are hit, too.
+    // instants, so surfaces that are in view only briefly are hit, too.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),

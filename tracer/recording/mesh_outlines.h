@@ -17,13 +17,12 @@ namespace postlens {
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Largest average number of outline edges per pixel, to limit memory. If there are more, the farthest
-    /// are omitted.
+    /// Largest average number of outline edges per pixel. If there are more, the farthest are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
-    /// Finds the outlines of the scene's meshes, as seen by the camera at an instant. `parts` must belong
-    /// to `scene`. Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
+    /// Finds the outlines of the scene's meshes, as seen by the camera at an instant. `parts` must belong to
+    /// `scene`. Only raster positions in [x_begin, x_end] x [y_begin, y_end], px, are searched.
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 
@@ -34,9 +33,8 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns true if another part's outline crosses a square of the image, in front of the visible part
-    /// `shown`. (x, y) is the square's upper left corner, and `size` its width, px. The square lies within
-    /// one pixel.
+    /// Returns true if another part's outline crosses a square of the image in front of the visible part
+    /// `shown`. The square lies within one pixel. (x, y) is its upper left corner, and `size` its width, px.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:

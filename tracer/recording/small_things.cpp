@@ -29,8 +29,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // A cone tapers along half[0]: half[1] and half[2] are multiplied by ends.x at its base, centre -
-    // half[0], and by ends.y at centre + half[0]. The two are equal for all other shapes.
+    // A cone's axis is half[0]. Its other half axes are multiplied by ends.x at centre - half[0],
+    // and by ends.y at centre + half[0]. For all other shapes, ends.x = ends.y.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -74,8 +74,8 @@ Axes box_around(const std::vector<glm::vec3>& points) {
         }
         return out;
     };
-    // Second box: its first side points from the centre to the farthest point.
-    // Its second side points from this line to the point that is farthest from the line.
+    // Turned box: its first side points from the centre to the farthest point,
+    // and its second side from this line to the point farthest from the line.
     const dvec3 first = longest([](const dvec3& v) { return v; });
     const double length = glm::length(first);
     if (!(length > 0)) return box(straight);
@@ -209,7 +209,6 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     }
     if (!tapers && glm::length(axes.half[0]) <= 4 * glm::length(axes.half[1])) {
         const double narrower = turn_to_sight(camera, axes);
-        // An object whose image is at most four times as long as wide is not divided into pieces.
         if (!(narrower > 4)) {
             take(axes.centre, axes.centre, axes.half);
             return;
@@ -224,8 +223,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // Near the tip of a cone, halves pieces until no end is more than twice as wide as the opposite
-        // end.
+        // Near a cone's tip, halves pieces until no end is more than twice as wide as the opposite end.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -333,15 +331,14 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. A piece needs at least three quadtree cells, so all pieces need 1.5 times the allowed
-    // cells. Therefore keep_affordable() removes a third of the pieces or more.
+    // Limits memory: a piece needs at least three quadtree cells, so the pieces need 1.5 times the allowed
+    // cells. keep_affordable() then removes a third of the pieces or more.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Cells of width find_px on the narrow object and beside it, and cells of width outline_px along its
-    // outline.
+    // Cells of width find_px on and beside the narrow object, and of width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

@@ -21,7 +21,7 @@ namespace postlens {
 /// Each part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Objects up to this width, px, are searched for. A wider object cannot lie between the corners of a
+    /// Objects up to this width, px, are searched for. Wider objects cannot lie between the corners of a
     /// pixel.
     static constexpr double widest_px = 1.5;
     /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width.

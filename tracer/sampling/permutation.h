@@ -22,8 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift depends on the highest 4 bits of a random word, whose lowest `bits` bits are the
-            // offset in `step`. So shift and offset are independent, unless bits > 28.
+            // The shift comes from the highest 4 bits of a random word. `step` adds the lowest `bits` bits of
+            // the word, which are independent of the shift unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -36,8 +36,7 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each x, all in [0, n), by its image under the permutation. This takes fewer than two steps
-    /// per element on average, because `step` permutes fewer than 2 n numbers.
+    /// Replaces each x, all in [0, n), by its image. Needs fewer than two steps per element on average.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -63,8 +62,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of mixing rounds. With six, all permutations of 2 to 5 elements are equally frequent, within
-    /// 4 %. With four, their frequencies differ by tens of percent.
+    /// Number of mixing rounds. With six, all permutations of 2 to 5 elements are equally frequent within 4
+    /// %. With four, their frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

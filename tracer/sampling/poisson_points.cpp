@@ -27,8 +27,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two grid cells apart, because cells are at least
-        // distance / 2 wide. This requires distance <= 2 - sqrt(2), true for two or more points.
+        // Points closer than `distance` are at most two grid cells apart, because cells are at least distance
+        // / 2 wide. This requires distance <= 2 - sqrt(2), true for two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -149,8 +149,7 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
 }
 
 PoissonPoints::Block PoissonPoints::block_of(std::uint32_t sample) const {
-    // The samples are divided into blocks. The first n % blocks_ blocks have one sample more than the
-    // others.
+    // The first n % blocks_ blocks have one sample more than the others, because n may not divide evenly.
     const std::uint32_t least = n_ / blocks_, large = n_ % blocks_, in_large = large * (least + 1);
     if (sample < in_large) {
         const std::uint32_t k = sample / (least + 1);

@@ -18,8 +18,7 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // If the interpolated normal faces away from the ray, no mirrored direction exists, so the
-        // geometric normal is used.
+        // If the interpolated normal faces away from the ray, no mirrored direction exists.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
@@ -63,8 +62,7 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 to_centre = placed.position - from;
     const double distance2 = glm::dot(to_centre, to_centre), sine2 = l.radius * l.radius / distance2;
     if (!(sine2 < 1)) return placed.position;  // `from` is inside the sphere, from where there is no outline
-    // 1 - cos a, without cancellation, where a is the half angle of the cone that the spherical light
-    // subtends.
+    // 1 - cos a, without cancellation. The spherical light subtends a cone of half angle a.
     const double widest = sine2 / (1 + std::sqrt(1 - sine2));
     const double lowered = uv.x * widest, cosine = 1 - lowered;
     const double sine = std::sqrt(std::max(0.0, lowered * (2 - lowered))), turn = 2 * std::numbers::pi * uv.y;
@@ -110,8 +108,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) return out;
     dvec3 intensity = l.intensity;
     if (!directional) {
-        // The attenuation depends on the distance to a spherical light's centre, so its radius affects only
-        // shadows.
+        // A spherical light attenuates with the distance to its centre, so its radius affects only shadows.
         const double r = l.kind == Light::Kind::sphere ? glm::length(placed.position - s.position) : distance;
         intensity /= l.attenuation.x + r * (l.attenuation.y + r * l.attenuation.z);
     }
@@ -125,8 +122,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // The cosine R . V of the highlight: R is the mirrored direction to the light, and V the direction
-        // to the eye.
+        // The cosine R . V of the highlight: R is the mirrored direction to the light, V that to the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -134,12 +130,10 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     out.to_light = to_light;
     out.casts_shadow = l.casts_shadows;
     if (!l.casts_shadows || out.radiance == dvec3(0)) return out;
-    // The shadow ray starts slightly off the surface, on the side that faces the light, so as not to hit
-    // the surface.
+    // The shadow ray starts slightly off the surface, on the side that faces the light.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
-    // The shadow ray ends just before the light, so that a surface at the light's position does not block
-    // it.
+    // The shadow ray ends just before the light, so that a surface at the light's position blocks nothing.
     out.segment = directional ? to_light : at - out.origin;
     out.reach = directional ? std::numeric_limits<float>::infinity() : 1 - 1e-6F;
     return out;

@@ -23,8 +23,8 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the surface point (LimitedNode) whose radiance is clamped and includes the light.
-    /// If `no_node`, the light is added directly to the radiance of the eye ray.
+    /// Index of the LimitedNode, a surface point with clamped radiance, to which the light is added.
+    /// If `no_node`, the light is added to the radiance of the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
@@ -66,8 +66,7 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // Samples a lobe of density (n + 1) / (2 pi) cos^n.
-    // It inverts the cumulative distribution c^(n + 1) of the cosine c.
+    // Samples a cos^n lobe by inverting the cumulative distribution c^(n + 1) of the cosine c.
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
@@ -156,8 +155,7 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // Mirrors directions that point into the wrong side of the surface, so that no light of the
-            // lobe is lost.
+            // Mirrors directions on the wrong side of the surface, so that no light of the lobe is lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

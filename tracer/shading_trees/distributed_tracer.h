@@ -53,8 +53,8 @@ class DistributedTracer {
     /// Thread-safe. The same rays in the same order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Returns true if eye rays are passed to Embree as coherent rays, which doubles the speed with a
-    /// pinhole. With moving geometry, it would almost halve the speed (docs/performance.md).
+    /// Returns true if eye rays are passed to Embree as coherent, which doubles the speed with a pinhole.
+    /// With moving geometry, it would almost halve the speed (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// Returns true if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
@@ -62,7 +62,6 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
-    // How much is needed to shade a hit on an object, in order of increasing work.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -78,11 +77,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns true if the light that clamping removes from this surface point is added to
-    /// EyeRays::left_out.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
-    /// Returns true if the light at this surface point is needed, and not only the points behind it on the
-    /// ray's path.
+    /// Returns true if the light at this hit is needed. Otherwise, the ray is only followed to later hits.
     [[nodiscard]] bool wants_light(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const {
         return eye.left_out_of.empty() || counts_as_left_out(ray, object, eye);
     }

@@ -16,8 +16,8 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s` is the instant at which the scene is recorded. Image positions are predicted for
-    /// `instants_s`. `motion` must have been made from `camera`.
+    /// `from_s` is the recorded instant, and `instants_s` are the instants for which positions are predicted.
+    /// `motion` must have been made from `camera`.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
@@ -45,8 +45,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving object (by id) and instant, the matrix that moves its world positions from `from_s`
-    /// to the instant.
+    /// Per moving object (by id) and instant: the matrix that moves its world positions from `from_s` to the
+    /// instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

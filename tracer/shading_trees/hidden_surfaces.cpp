@@ -58,16 +58,14 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, from which the ray is traced further. It is just before the last hit,
-    // because another surface may coincide with it, such as a floor under a box. After a repeated hit
-    // (`beyond`), it is just behind the hit.
+    // Returns the distance, m, from which the ray goes on: just before the last hit, because another surface
+    // may coincide with it, such as a floor under a box. After a repeated hit (`beyond`), it is just behind
+    // the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of a ray to the surfaces that it has passed. Returns false if the ray needs no
-    // further hits.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -80,8 +78,7 @@ class Follower {
     }
 
   private:
-    // Adds the surface of a hit to those that the ray has passed, unless it is the exit from an object or a
-    // repeated hit.
+    // Adds a hit to the surfaces that the ray has passed, unless it leaves an object or repeats a hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -113,8 +110,6 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next surface on the ray, or the background, to those that the ray has passed.
-    // If it is hidden and needed, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -147,7 +142,6 @@ class Follower {
     }
 
     // Returns true if some lens point may see surface `s` past the surfaces in front of it.
-    // Then counts `s` among the surfaces in front of the next one.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -159,9 +153,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An image in a mirror or in glass is deeper than the mirror, so a lens sees more of it past an
-        // edge. The mirror or glass therefore counts as seen if a surface at any greater depth would be
-        // seen.
+        // An image in a mirror or in glass is deeper than the mirror, so a lens sees more of it past an edge.
+        // The mirror therefore counts as seen if a surface at any greater depth would be seen.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

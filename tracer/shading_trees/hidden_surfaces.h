@@ -18,22 +18,19 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per eye ray that motion may reveal. Images rarely show more on one
-    /// ray.
+    /// Largest number of hidden surfaces per eye ray that motion may reveal. Images rarely show more.
     static constexpr int most_uncovered = 4;
     /// Largest number of hidden surfaces per ray if only a wide lens can reveal them.
     /// Behind an edge, a lens reveals less than motion does.
     static constexpr int most_seen_past = 3;
-    /// A part of a hidden surface up to this width, px, is invisible, because a pixel is the mean of four
-    /// or more samples.
+    /// A part of a hidden surface up to this width, px, is invisible: a pixel averages four or more samples.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered` per ray.
     /// Each surface in front must, at some instant, be more than `same_place_px` away on the raster.
     const FilmMotion* motion = nullptr;
-    /// If not null, also returns surfaces that some lens point may see, directly or by reflection and
-    /// refraction.
+    /// If not null, also returns surfaces that a lens may see, directly or after reflection and refraction.
     const LensReach* lens = nullptr;
     /// The connected parts of all objects. Null if every object is a single part.
     const ObjectParts* parts = nullptr;

@@ -120,8 +120,7 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // How far away, px, an edge may reveal the hidden surface: the surface in front shifts so far against
-    // it over the lens.
+    // Largest distance, px, of an edge past which the lens may see the hidden surface.
     const double radius = k * (covers.nearest - behind) + margin_px;
     // First tries an upper bound of all inverse depths around the ray, which rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;

@@ -31,17 +31,15 @@ class LensReach {
     /// - The position of the edge is known only up to the diagonal of a pixel.
     /// - The corners of all pixels that show the part must be included.
     static constexpr double margin_px = 2.5;
-    /// Two surfaces form an edge if their images' relative shift over the lens, px, changes at least this
-    /// much per px. A plane has this slope only if it is so oblique that no lens point sees behind it.
+    /// Least shift between two surfaces' images over the lens, px per px of distance, that counts as an edge.
+    /// A plane has this slope only if it is so oblique that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
-    /// Largest number of reflections and refractions after which hidden surfaces are recorded.
-    /// Later ones are numerous and faint.
+    /// Hidden surfaces are recorded after at most this number of bounces. Later ones are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Finds depths and edges with one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin,
-    /// y_end). Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
-    /// Surfaces whose images shift by less than `same_place_px` against each other over the lens count as
-    /// one.
+    /// Finds depths and edges by one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
+    /// Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
+    /// Surfaces whose images shift by less than `same_place_px` relative to each other count as one.
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
@@ -56,17 +54,16 @@ class LensReach {
         /// It is 0 for an eye ray, but not after a curved mirror.
         double limit = 0;
     };
-    /// Returns true if some lens point may see the next surface on the ray past the surfaces in front
-    /// (`covers`). `behind` is the next surface's inverse depth, 1/m. If false, certainly no lens point
-    /// sees it.
+    /// Returns true if some lens point may see the next surface on the ray past the surfaces `covers` in
+    /// front. `behind` is the next surface's inverse depth, 1/m. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
     /// Returns true if some lens point may see a surface at any depth behind all `covers`, on the same ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth, 1/m, of a recorded point: the mean of the diagonal of `w`, which has one
-    /// value per raster axis.
+    /// Returns a recorded point's inverse depth, 1/m: the mean of the diagonal of W, one value per raster
+    /// axis.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -84,8 +81,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Lens radius, m, divided by the camera's tangent per pixel. It converts a difference of inverse
-    /// depths to the shift, px, of two images against each other from the lens centre to its rim.
+    /// Lens radius, m, divided by the camera's tangent per pixel. A difference of inverse depths times this
+    /// value is the shift, px, of two images against each other from the lens centre to its rim.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

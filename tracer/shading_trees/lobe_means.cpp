@@ -222,8 +222,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Estimates how many hits share rays with this hit, weighted by `window`, from every
-            // `stride`-th hit.
+            // Estimates from every `stride`-th hit how many hits share rays with this hit, weighted by
+            // `window`.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -59,9 +59,8 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance over the glossy lobe of hits[i], without the factor
-    /// hits[i].weight. Adds the numbers of rays to counts.reflect, counts.refract and counts.shadow.
-    /// Thread-safe.
+    /// Sets means[i] to the mean radiance over the glossy lobe of hits[i], not multiplied by hits[i].weight.
+    /// Adds the numbers of rays to `counts`. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:

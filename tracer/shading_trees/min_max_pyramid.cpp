@@ -68,7 +68,6 @@ int MinMaxPyramid::level_of_width(double px) const {
 MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
     const Level& of = levels_[static_cast<std::size_t>(level)];
     const double x = at.x - x_begin_, y = at.y - y_begin_, per_px = 1.0 / (1 << level);
-    // The conversion to int rounds down, because the clamped value is not negative.
     const auto square_of = [per_px](double place, int squares) {
         return static_cast<int>(std::clamp(place * per_px, 0.0, squares - 1.0));
     };
@@ -89,14 +88,11 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // 128 entries suffice: on each of at most 31 levels, at most three quarters of a square wait to be
-    // searched.
+    // At most three squares per level wait to be searched, on at most 31 levels, so 128 entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level of the pyramid.
-    // Returns false if the search ended.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);

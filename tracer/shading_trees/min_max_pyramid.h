@@ -20,8 +20,8 @@ class MinMaxPyramid {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square at which an earlier search ended. It is tested first, because a nearby search probably
-    /// ends there, too. A hint from another pyramid is allowed.
+    /// The square at which an earlier search ended. It is tested first, because a nearby search probably ends
+    /// there, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
@@ -54,8 +54,7 @@ class MinMaxPyramid {
     [[nodiscard]] int coarse_level(double radius) const;
     /// Returns the lowest level whose squares are at least `px` wide, or else the highest level.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares of one level that overlap the bounding box of a circle, or else the nearest
-    /// squares.
+    /// Returns the squares of one level that overlap the bounding box of a circle, or else the nearest ones.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {

@@ -40,7 +40,7 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    // Distance along the ray, m, from which it is traced further after it has passed through surfaces.
+    // Distance along the ray, m, from which it goes on after passing through surfaces.
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
@@ -67,8 +67,6 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Processes a hit of the ray. On the next object of the path to be followed, the ray is reflected or
-    // refracted.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -101,8 +99,7 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns a Newton step that turns the ray towards its target, from the derivatives of the ray through
-    // the pinhole.
+    // Returns a Newton step of the ray's tangent towards its target, with the derivatives at the pinhole.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -168,7 +165,7 @@ struct Search {
     std::vector<bool> ended;  ///< one of its rays is lost
     /// Per node, the greatest departure of its converged rays.
     std::vector<double> greatest;
-    /// Per node, a lower bound of the largest deviation of any of its rays from the first-order prediction.
+    /// Per surface point, a lower bound of the largest deviation of its rays from the linear prediction.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -190,8 +187,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns how much a ray's tangent deviates from its first-order prediction. Infinite if the search
-    /// found no ray. Must not be called for a ray that is `hidden`.
+    /// Returns how far a ray's tangent deviates from the linear prediction, or infinity if no ray was found.
+    /// Not for a ray that is `hidden`.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -204,8 +201,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a surface point is lost, the point's result is infinite, so its other rays need no
-        // search.
+        // If one ray to a surface point is lost, the result is infinite, so all further rays to it are
+        // skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -229,8 +226,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the largest deviation of a point's rays counts, so rays that certainly deviate less need
-            // no further steps.
+            // Only a point's largest deviation counts, so rays that certainly deviate less need no further
+            // steps.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -256,8 +253,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // Deviations from the linear prediction are of second order, so they are almost equal on opposite sides
-    // of the lens. If they are small, as for most points, no rays from the opposite side are traced.
+    // Deviations are of second order in the lens point, so they are almost equal on opposite sides of the
+    // lens. If they are small, as for most points, no rays from the opposite side are traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -274,7 +271,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Negative: no ray from the lens has reached the surface point, so the result is unknown.
+    // Negative: no ray from the lens has reached the point, so the result is unknown.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

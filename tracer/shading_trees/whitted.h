@@ -19,14 +19,13 @@
 namespace postlens {
 
 struct WhittedSettings {
-    /// Largest number of surfaces along a path of reflections and refractions, including the first surface:
-    /// 1 to NodePath::max_bounces + 1.
+    /// Largest number of surfaces on a path of reflections and refractions: 1 to NodePath::max_bounces + 1.
     int max_depth = 5;
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. For a glossy lobe that is wider than this lens, the mean radiance is recorded. For a
-    /// narrower lobe, the radiance from the exact direction is recorded. If 0, all lobes are averaged.
+    /// Lens radius, m. For a glossy lobe wider than the lens, the mean radiance is recorded, and for a
+    /// narrower lobe, the radiance from the exact direction. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null

@@ -50,14 +50,12 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The surface point to which the mean radiance over a glossy lobe is added, multiplied by `share`.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // An array whose items are filled in place and reused, because copying finished items took longer than
-    // shading.
+    // Items are filled in place and reused, because copying finished items took longer than shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -130,7 +128,6 @@ struct WhittedTracer::Impl {
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
-    // Adds a surface point that the ray hits. The caller must set its depth, id, W and radiance.
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -154,8 +151,7 @@ struct WhittedTracer::Impl {
     // Does nothing if the motion is exactly linear. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` from earlier samples nearby. Points without an estimate remain in w.bent, to be
-    // measured.
+    // Estimates `w_bend` from earlier samples nearby. Points without an estimate remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
