@@ -56,9 +56,8 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of all colours in the bounding box of two texture positions.
-    /// If the positions are half an image or more apart, a seam of the texture is assumed between them.
-    /// Then only the colours at the two positions are included.
+    /// Returns the range of all colours in the bounding box of two texture positions. If the positions are
+    /// half an image or more apart, assumes a seam between them and includes only their two colours.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

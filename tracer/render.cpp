@@ -226,8 +226,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // Each parallel loop over a slice of the tiles should take 0.1 to 0.4 s.
-            // Shorter loops waste time on starting threads. Longer loops delay stopping and saving.
+            // Each slice of tiles should take 0.1 to 0.4 s: shorter slices waste time on starting threads,
+            // and longer slices delay stopping and saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

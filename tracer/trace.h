@@ -28,9 +28,9 @@ struct TraceSettings {
     /// Value of `subdivision.levels` for methods that trace further rays where the samples are too coarse.
     /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// Largest turn, degrees, of an object relative to the camera between two recorded instants, if `keys` is
-    /// absent. At 15 degrees, 0.9 % of a turning ball's radius is recorded at neither instant (1 - cos 7.5
-    /// degrees).
+    /// Largest turn, degrees, of an object relative to the camera between recorded instants, if `keys` is
+    /// absent. At 15 degrees, 0.9 % of a turning ball's radius (1 - cos 7.5 degrees) is recorded at neither
+    /// instant.
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;

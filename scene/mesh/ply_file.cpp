@@ -162,8 +162,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of a PLY element, such as one vertex. Stores its scalars by index of the property.
-    // Of its lists, stores only those that are needed (`kept_lists_`).
+    // Reads one instance of a PLY element, such as one vertex: its scalars, by index of the property,
+    // and those of its lists that are needed.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {

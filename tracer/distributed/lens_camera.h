@@ -59,13 +59,13 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns where, in raster px, the pinhole sees the point at distance `t`, m, along the ray for (x, y).
-    /// The ray leaves the lens at `unit`, in lens radii. Not for cameras with a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance `t`, m, on a lens
+    /// ray. The ray for (x, y) starts at `unit`, in lens radii. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth of `world`, 1/m, and its derivatives along raster x and y, 1/m per px, on
-    /// the plane through `world` with this normal. All are 0 if the plane is seen edge-on or the camera is
-    /// orthographic. Not for moving cameras.
+    /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x
+    /// and y, per px. All are 0 if the plane is seen edge-on or the camera is orthographic. Not for moving
+    /// cameras.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point: px per metre perpendicular to the optical axis.

@@ -27,7 +27,6 @@ struct RenderState {
     /// Holds one total, or one sum for each block of samples.
     std::array<std::vector<double>, 2> sums;
     /// Sums of a block of samples that is not yet complete. They are added to `sums` when it is.
-    /// Empty if blocks are traced in one step or have their own sums.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

@@ -78,9 +78,8 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is how far the moving shape leaves its interpolated bounding box at the tested instants.
-    // `bend` is the second difference of a bound, which may deviate by bend / 8 in between. The margin is
-    // bend / 4.
+    // At the tested instants, the moving shape leaves its interpolated bounding box by up to `excess`.
+    // In between, a bound with the second difference `bend` may deviate by bend / 8. The margin is bend / 4.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

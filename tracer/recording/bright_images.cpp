@@ -118,8 +118,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear model: a ray of the cell misses the bright object's centre by middle + by_cell * position,
-        // m. `position` is the ray's position in the cell, in cell widths from the middle.
+        // Linear model: a ray at `position` in the cell misses the bright object by middle + by_cell *
+        // position, m. `position` is in cell widths from the cell's middle.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);

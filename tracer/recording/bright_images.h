@@ -36,9 +36,8 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`. `at`
-    /// holds the reflected or refracted rays from the cell's corners: upper left, upper right, lower left,
-    /// lower right.
+    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`.
+    /// `at` holds the rays from the cell's four corners after the same bounces, row by row.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

@@ -18,8 +18,8 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// `samples` are the results of eye rays through cell corners, and `chunks` hold the surfaces that the
-    /// rays hit. Keeps references to all arguments. `samples` and `chunks` may change between calls.
+    /// `samples` are the eye rays through cell corners, and `chunks` hold the surface points that they hit.
+    /// Keeps references to all arguments, of which `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks)
@@ -31,7 +31,7 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns true if the eye ray through the cell's centre sees another surface than those at the corners.
+    /// Returns true if the eye ray through the cell's centre sees something else than those at its corners.
     /// `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     struct Mark {
@@ -45,7 +45,7 @@ class CellSplit {
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// The shading tree of one visible or hidden surface that an eye ray crosses. `rgb` is its radiance.
+    /// The shading tree of one surface that an eye ray crosses. `rgb` is its radiance.
     /// Its surface points are the records [first, first + count) of `chunk`, sorted by their bounces.
     struct Seen {
         std::uint32_t id = 0, part = 0;
@@ -81,7 +81,7 @@ class CellSplit {
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
     /// Returns true if the texture varies so much between the samples that the cell must be divided.
-    /// Considers all texture colours in the bounding box of the samples' texture positions.
+    /// Considers all colours in the bounding box of the samples' texture coordinates.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
@@ -90,7 +90,7 @@ class CellSplit {
     /// Sets `at` to the index after its last record.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
-    /// If `hidden` is false, ignores objects behind the farthest surface that is visible at the corners.
+    /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// Returns true if all corners show the same part of an object, but another part's outline passes in
     /// front of it.

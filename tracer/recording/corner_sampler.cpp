@@ -57,8 +57,7 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of eye rays in parallel and appends their samples in order. The functions must be
-    // thread-safe:
+    // Traces batches of eye rays in parallel and appends their samples in order, with thread-safe functions:
     // - `fill(i, keys)` writes the `sizes[i]` raster positions of batch i.
     // - `traced(index, sample)` is called for every new sample.
     // - `around(key)` returns earlier samples near a raster position.
@@ -174,8 +173,7 @@ class BandSampler {
         });
     }
 
-    // Reuses sample i of the band of rows above, on the edge that it shares with this band.
-    // Stores it in corners_ if it lies at a pixel corner, otherwise in carried_over_.
+    // Reuses a sample on the edge that this band of pixel rows shares with the band above.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -215,9 +213,8 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels to divide. A small object may lie between pixel corners, so the centres of their
-    // left and right neighbours are traced, too. A neighbour whose centre differs from its corners is
-    // divided.
+    // Returns the pixels to divide. Their left and right neighbours are included if the centre differs from
+    // the corners, because a small object may lie between pixel corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -255,7 +252,7 @@ class BandSampler {
         return cells;
     }
 
-    // Adds the cells whose centre sees another surface than their corners to `divided`.
+    // Adds the cells whose centre looks different from their corners to `divided`.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -281,8 +278,8 @@ class BandSampler {
 
     // Traces the centre of every cell and the midpoints of its sides, each only once even if cells share it.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // One list of points per row of pixels, and one for the lower edge of the band of rows.
-        // A point on the edge between two rows belongs to the lower row.
+        // One list of raster positions per row of pixels, and one for the lower edge of the last row.
+        // A position on the edge between two rows belongs to the lower row.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -322,8 +319,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the corners of the pixel that contains a point. On the lower edge of the traced
-    // rows, this is the pixel above, whose corners are already traced.
+    // Returns the samples at the corners of the pixel that contains a point.
+    // A point on the lower edge of the last row belongs to the pixel above, which is already traced.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -42,8 +42,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // A row of the file's flat image needs the samples on its lower edge, too.
-                // For the band's last row, these may belong to the next band, so the row is not measured.
+                // A row of the file's flat image also needs the samples on its lower edge.
+                // For the last row, they may belong to the next band of rows, so it is not measured.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -55,7 +55,7 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, if the scene is recorded at `recorded_s` and once every `between` time
+    /// Returns the predicted PSNR, dB, if the scene is recorded at `recorded_s` and every `between` time
     /// steps. If `between` is 0, it is recorded only at `recorded_s`.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};

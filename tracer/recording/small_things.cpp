@@ -331,8 +331,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // An elongated object has so many cells along its outline that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory: a piece needs at least three quadtree cells, so the pieces need 1.5 times the allowed
-    // cells. keep_affordable() then removes a third of the pieces or more.
+    // Limits memory. A piece needs at least three cells, so the pieces need 1.5 times the allowed quadtree
+    // cells, and keep_affordable() removes a third of them or more.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

@@ -22,8 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift comes from the highest 4 bits of a random word. `step` adds the lowest `bits` bits of
-            // the word, which are independent of the shift unless bits > 28.
+            // The shift comes from the highest 4 bits of a random word, and `step` adds the lowest `bits`
+            // bits. They are independent unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -62,8 +62,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of mixing rounds. With six, all permutations of 2 to 5 elements are equally frequent within 4
-    /// %. With four, their frequencies differ by tens of percent.
+    /// Six mixing rounds make all permutations of 2 to 5 elements equally frequent, within 4 %.
+    /// With four rounds, their frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

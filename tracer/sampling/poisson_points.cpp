@@ -27,8 +27,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two grid cells apart, because cells are at least distance
-        // / 2 wide. This requires distance <= 2 - sqrt(2), true for two or more points.
+        // Points closer than `distance` are at most two grid cells apart, because cells are distance / 2 wide
+        // or more.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];

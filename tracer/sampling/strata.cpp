@@ -69,7 +69,7 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
         // Finds the row of cell c: the last row whose first cell, floor(row * n / rows), is at most c.
-        // Equivalent: row * n / rows < c + 1, or row * n <= (c + 1) * rows - 1.
+        // It is the last row with row * n <= (c + 1) * rows - 1.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

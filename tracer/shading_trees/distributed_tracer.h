@@ -40,7 +40,7 @@ struct EyeRays {
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
     /// Per ray, the only surface point whose excluded light is added to `left_out`. If empty, `left_out` is
-    /// 0. Only the path to the point is traced, and `radiance` is not computed.
+    /// 0. Only the path to the point is then traced, and `radiance` is not computed.
     std::vector<NodeIdentity> left_out_of;
 };
 

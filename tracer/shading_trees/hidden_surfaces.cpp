@@ -59,8 +59,7 @@ class Follower {
     }
 
     // Returns the distance, m, from which the ray goes on: just before the last hit, because another surface
-    // may coincide with it, such as a floor under a box. After a repeated hit (`beyond`), it is just behind
-    // the hit.
+    // may touch it there, such as a floor under a box, or just behind a repeated hit (`beyond`).
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -95,8 +94,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray inside one part of an object, such as a leaf of a tree, may meet the back of another part.
-        // It has then not left the first part.
+        // A ray inside one part of an object, such as a leaf of a tree, may meet the back of another part
+        // without having left the first.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -154,7 +153,7 @@ class Follower {
         }
         const bool first = c.layers == 1;
         // An image in a mirror or in glass is deeper than the mirror, so a lens sees more of it past an edge.
-        // The mirror therefore counts as seen if a surface at any greater depth would be seen.
+        // The mirror therefore counts as seen if any deeper surface would be seen.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

@@ -54,8 +54,8 @@ class LensReach {
         /// It is 0 for an eye ray, but not after a curved mirror.
         double limit = 0;
     };
-    /// Returns true if some lens point may see the next surface on the ray past the surfaces `covers` in
-    /// front. `behind` is the next surface's inverse depth, 1/m. If false, certainly no lens point sees it.
+    /// Returns true if some lens point may see a surface of inverse depth `behind`, 1/m, past the surfaces
+    /// `covers` in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
     /// Returns true if some lens point may see a surface at any depth behind all `covers`, on the same ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
@@ -81,8 +81,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Lens radius, m, divided by the camera's tangent per pixel. A difference of inverse depths times this
-    /// value is the shift, px, of two images against each other from the lens centre to its rim.
+    /// Converts a difference of inverse depths, 1/m, to the shift, px, of two images against each other
+    /// from the lens centre to its rim: lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -14,7 +14,7 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Search region for values much less than `top`. A value at a distance d <= radius from `at` is inside
+    /// Search region. A value at a distance d <= radius from `at` is inside
     /// if it is less than `top` by at least `least` and by at least slope * d.
     struct Cone {
         glm::dvec2 at{0};

@@ -85,7 +85,7 @@ struct TracedSamples {
 class WhittedTracer {
   public:
     /// Keeps references to `scene`, `camera` and all objects to which `settings` and `hidden` point.
-    /// Hidden surfaces are shaded as if nothing were in front. Visible surfaces do not depend on them.
+    /// Hidden surfaces are shaded as if nothing were in front of them.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -95,8 +95,8 @@ class WhittedTracer {
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
     /// Traces eye rays through raster positions, px. Fastest if each group of 16 is close together.
-    /// Thread-safe. `around(i)` returns earlier samples near positions[i], from which `w_bend` is estimated
-    /// where possible.
+    /// Thread-safe. `around(i)` returns earlier samples near positions[i], to estimate `w_bend` with fewer
+    /// rays.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// An image's nonlinear motion over the lens, px, up to which it counts as small.

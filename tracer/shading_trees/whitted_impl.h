@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray to be traced next. All rays of one generation have the same number of bounces.
-    // `origin` lies exactly on the surface. The ray that is passed to Embree starts slightly off it.
+    // A ray of a shading tree.
+    // `origin` lies exactly on the surface, but the ray that is passed to Embree starts slightly off it.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
@@ -120,7 +120,7 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
-    // Does not store an exit from glass, because the transmitted ray finds what is behind.
+    // Leaves out exits from glass, because the transmitted ray finds what is behind.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces the hidden surfaces that are seen in mirrors or through glass.
@@ -147,8 +147,8 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a surface point, so that `w_bend`, its nonlinear motion over the lens, is measured later.
-    // Does nothing if the motion is exactly linear. `s` is null if the ray hit nothing.
+    // Stores a surface point to measure `w_bend`, its nonlinear motion over the lens, unless the motion is
+    // linear. `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
     // Estimates `w_bend` from earlier samples nearby. Points without an estimate remain in w.bent.
