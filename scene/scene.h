@@ -111,7 +111,7 @@ struct Object {
     /// The transform at time t is then key(t) * motion_base.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
-    /// If false, the object blocks no light, for example a glowing ball around a point light.
+    /// If false, the object casts no shadow. Example: a glowing ball around a point light.
     bool casts_shadows = true;
 };
 

@@ -85,7 +85,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
     const dvec3 normal = newell_normal(polygon);
     double longest2 = 0;
     for (const dvec3& p : polygon) longest2 = std::max(longest2, glm::dot(p - polygon[0], p - polygon[0]));
-    // Areas below 1e-14 times the squared extent are treated as rounding errors of the coordinates.
+    // Areas below 1e-14 times the polygon's squared extent count as rounding errors of the coordinates.
     const double no_turn = 1e-14 * longest2;
     if (!(glm::length(normal) > no_turn)) {
         out.fault = PolygonFault::no_area;

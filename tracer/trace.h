@@ -32,7 +32,7 @@ struct TraceSettings {
     /// absent. At 15 degrees, 0.9 % of a turning ball's radius (1 - cos 7.5 degrees) is recorded at neither
     /// instant.
     double degrees_per_key = 15;
-    /// Value of `degrees_per_key` for methods that also trace rays into the scene.
+    /// Value of `degrees_per_key`, the turn between recorded instants, for methods that also trace rays.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, dB, of light that changes between two recorded instants, if `keys` is absent.
     /// 43 dB is half of the squared error that 40 dB, the default of --method auto, allows.

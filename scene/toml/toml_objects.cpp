@@ -76,7 +76,7 @@ class ObjectReader {
     }
 
   private:
-    // Checks the keys of a table in which "shape" is missing or misspelt.
+    // Checks the keys of a table whose "shape" is missing or misspelt.
     // Accepts the keys of all shapes, so that the error message is about "shape".
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;

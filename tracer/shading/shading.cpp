@@ -18,7 +18,8 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // If the interpolated normal faces away from the ray, no mirrored direction exists.
+        // Uses the geometric normal, because the interpolated normal faces away from the ray and gives no
+        // mirror direction.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
