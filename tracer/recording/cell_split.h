@@ -64,8 +64,7 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// Returns true if the cell is wider than 2^-levels px, so a limit of `levels` divisions still allows
-    /// one.
+    /// Returns true if the cell is wider than 2^-levels px, so that a limit of `levels` allows its division.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }

@@ -207,8 +207,7 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // Also lists the times inside the object, because the camera then sees other surfaces than from
-        // outside.
+        // Also lists the times inside the object, where the camera sees other surfaces than from outside.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {

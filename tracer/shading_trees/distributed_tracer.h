@@ -39,8 +39,8 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// Per ray, the only surface point whose excluded light is added to `left_out`. If empty, `left_out` is
-    /// 0. Only the path to the point is then traced, and `radiance` is not computed.
+    /// Per ray, the only surface point whose excluded light is added to `left_out`. Only the path to it is
+    /// traced, and `radiance` is not computed. If the list is empty, `left_out` is 0.
     std::vector<NodeIdentity> left_out_of;
 };
 

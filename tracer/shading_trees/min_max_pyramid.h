@@ -14,8 +14,8 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Search region. A value at a distance d <= radius from `at` is inside
-    /// if it is less than `top` by at least `least` and by at least slope * d.
+    /// Search region for values well below `top`. It contains a value at a distance d <= radius from `at`
+    /// that is less than `top` by at least `least` and by at least slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0

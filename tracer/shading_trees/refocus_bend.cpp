@@ -40,7 +40,7 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    // Distance along the ray, m, from which it goes on after passing through surfaces.
+    // Distance along the ray, m, at which tracing resumes after the ray has passed through surfaces.
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
