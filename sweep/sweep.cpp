@@ -8,6 +8,7 @@
 #include <future>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/checksum.h"
 #include "core/error.h"
@@ -184,7 +185,8 @@ class Sweep {
         };
         make_in_order(wanted.size(), at_a_time(), make, [&](std::size_t k, Making&& m) {
             warn_of_bend(m.picture);
-            for (const FocusWarning& w : m.picture.warnings) note(w);
+            std::set<std::string> codes;  // a picture with two warnings of one code counts once
+            for (const FocusWarning& w : m.picture.warnings) note(w, codes.insert(w.code).second ? 1 : 0);
             if (settings_.format != "exr") {
                 if (const auto w = exposure_warning(m.picture.image, std::nullopt))
                     note({"exposure", w->share, w->text});
@@ -321,14 +323,14 @@ class Sweep {
         if (known->second) note(*known->second);
     }
 
-    void note(const FocusWarning& w) {
+    void note(const FocusWarning& w, std::size_t pictures = 1) {
         const auto known = std::find_if(out_.warnings.begin(), out_.warnings.end(),
                                         [&](const SweepWarning& k) { return k.worst.code == w.code; });
         if (known == out_.warnings.end()) {
             out_.warnings.push_back({w, 1});
             return;
         }
-        ++known->pictures;
+        known->pictures += pictures;
         if (w.share > known->worst.share) known->worst = w;
     }
 

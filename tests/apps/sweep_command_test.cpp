@@ -150,6 +150,21 @@ TEST_F(SweepCommand, SharesJoinToTheSweepOfAll) {
     EXPECT_EQ(sweep("shared", {"--share", "0/4", "--resume"})["kept"], 2);
 }
 
+TEST_F(SweepCommand, AWarningCountsEachPictureOnce) {
+    // Both pictures warn of missing surfaces twice: of those behind edges, and of those in mirrors.
+    ASSERT_EQ(run({"trace", POSTLENS_SAMPLES "/scenes/still_life.toml", "-o", in("frame.exr"), "--size",
+                   "64x36", "--subdivide", "0"})
+                  .exit_code,
+              0);
+    const Outcome r =
+        sweep({"--f-number", "1.8", "--focus", "0.8,3", "--method", "lightfield", "--views", "4"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+    const json warnings = json::parse(r.out)["warnings"];
+    EXPECT_NE(r.out.find("2 of 2 pictures"), std::string::npos) << r.out;
+    for (const json& w : warnings)
+        EXPECT_EQ(w["text"].get<std::string>().find("4 of 2 pictures"), std::string::npos) << w;
+}
+
 TEST_F(SweepCommand, RefusesInOneLine) {
     std::ofstream(in("file")) << "x";
     const auto refuse = [this](const Words& options, ExitCode code, const std::string& part,
