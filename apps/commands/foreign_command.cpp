@@ -308,7 +308,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     out.text = fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
                            options.output, result.image.width, result.image.height,
                            method_name(result.method), focal_length_mm, f_number, focus_m,
-                           counted(result.depths, "depth"), px_text(result.largest_coc_px));
+                           result.views > 0 ? counted(result.views, "view") : counted(result.depths, "depth"),
+                           px_text(result.largest_coc_px));
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
     deliver(std::move(result.image), {options.output, options.crop, options.made_by, options.shared}, out);
     return out;

@@ -117,8 +117,10 @@ void add_compare(CLI::App& root, CommandOptions& s) {
 void add_merge(CLI::App& root, CommandOptions& s) {
     CLI::App& app = *root.add_subcommand("merge", "Joins parts made with --share to the undivided result");
     MergeOptions& o = s.merge;
-    reads(app.add_option("part", o.parts, "Parts, in any order"))->required()->type_name("PART");
-    output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
+    reads(app.add_option("part", o.parts, "Parts, in any order; of a sweep or a chart, their .json files"))
+        ->required()
+        ->type_name("PART");
+    output_option(app, o.output, "Picture or sample file; of a sweep or a chart, the folder of the parts");
     app.add_flag("--partial", o.partial, "Merge what is there; the rest is black, and is listed");
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_merge(s.merge); }; });

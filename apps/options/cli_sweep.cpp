@@ -56,8 +56,10 @@ void method_options(CLI::App& app, SweepOptions& o) {
            "How, as for focus [default: as focus; with --shutter lightfield]")
         ->type_name("scatter|layers|lightfield|hybrid|auto|pinhole");
     number(app, "--target-db", p.target_db,
-           "With --method auto: PSNR wanted of the picture [default: the usual method]", "DB",
-           target_decibels);
+           fmt::format("With --method auto: PSNR wanted of the picture [default: {:g} with --scene or "
+                       "--shutter, else the usual method]",
+                       default_target_db),
+           "DB", target_decibels);
     whole(app, "--depths", p.depths,
           "Number K of impulse responses [default: as many as keep CoCs right to half a pixel]", "K",
           depth_counts);

@@ -410,6 +410,9 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
         EXPECT_NE(run({"lens", command, "--help"}).out.find("Focal length F, more than 0\n"),
                   std::string::npos);
     EXPECT_NE(run({"render", "--help"}).out.find("Samples per pixel, 1 to 1048576\n"), std::string::npos);
+    EXPECT_NE(run({"sweep", "--help"}).out.find("[default: 40 with --scene or --shutter, else"),
+              std::string::npos);
+    EXPECT_NE(run({"merge", "--help"}).out.find("of a sweep or a chart, the folder"), std::string::npos);
     EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
     EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
 }

@@ -228,6 +228,9 @@ TEST_F(ForeignCommand, WhatIsBehindAPictureComesToLight) {
         const Image image = read_image(in(method + ".exr"));
         EXPECT_GT(image.pixel(25, 12)[1], 0.55F) << method;
         EXPECT_LT(image.pixel(25, 12)[1], 0.9F) << method;
+        const std::string text = run(all).out;
+        EXPECT_NE(text.find(method == "layers" ? " depths, widest" : ", 64 views, widest"), std::string::npos)
+            << text;
     }
 }
 
