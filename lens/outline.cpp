@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace postlens {
 namespace {
@@ -60,12 +61,21 @@ Outline blades_outline(int blades, double rotation_deg, double roundness, double
 
 Outline intersection(const Outline& a, const Outline& b) {
     Outline out = a, next;
+    std::vector<double> sides;  // positive inside of the half-plane
     for (std::size_t i = 0; i < b.size() && !out.empty(); ++i) {
         const dvec2 from = b[i], along = b[(i + 1) % b.size()] - from;
+        sides.resize(out.size());
+        bool cuts = false;
+        for (std::size_t k = 0; k < out.size(); ++k) {
+            sides[k] = cross(along, out[k] - from);
+            cuts |= !(sides[k] >= 0);
+        }
+        if (!cuts) continue;
         next.clear();
         for (std::size_t k = 0; k < out.size(); ++k) {
-            const dvec2 p = out[k], q = out[(k + 1) % out.size()];
-            const double side_p = cross(along, p - from), side_q = cross(along, q - from);
+            const std::size_t after = k + 1 < out.size() ? k + 1 : 0;
+            const dvec2 p = out[k], q = out[after];
+            const double side_p = sides[k], side_q = sides[after];
             if (side_p >= 0) next.push_back(p);
             if ((side_p > 0 && side_q < 0) || (side_p < 0 && side_q > 0))
                 next.push_back(p + side_p / (side_p - side_q) * (q - p));

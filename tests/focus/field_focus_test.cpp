@@ -437,7 +437,7 @@ TEST(FieldFocus, WhatAFlatMirrorShowsHasItsOwnDepth) {
 TEST(FieldFocus, WhatASphereShowsHasItsOwnDepth) {
     for (const Material& m : {mirror(0.9), glass(1.3, 0.9)}) {
         const SceneBuilder b = seen_in(Sphere{{0, 0, -2.5}, 0.6}, m);
-        const TracedFrame traced(b.scene, for_lens(1.4));
+        const TracedFrame traced(b.scene, for_lens(1.4, 4));
         FocusFrame frame(traced.file(), true);
         for (const double focus_m : {2.0, 6.0}) {
             FocusSettings f = by_field(focus_m);
@@ -456,7 +456,7 @@ TEST(FieldFocus, ABallsFarSideIsNotNeededToSeeThroughIt) {
     b.add(Sphere{{0, 0, -1.5}, 0.5}, glass(1.5, 0.9));
     for (int i = -12; i < 12; ++i) b.add(board(i * 0.4, i * 0.4 + 0.2, -9, 9, 3.9), glowing({0.8, 0.6, 0.2}));
     b.add(board(-20, 20, -20, 20, 4), glowing({0.1, 0.2, 0.3}));
-    const TracedFrame frame(b.scene, for_lens(1.4));
+    const TracedFrame frame(b.scene, for_lens(1.4, 4));
     FocusSettings f = by_field(0.8);
     f.lens.f_number = 1.4;
     const Reference truth = rays(b.scene, f);

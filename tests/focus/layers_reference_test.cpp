@@ -44,8 +44,10 @@ TEST(Layers, EqualsTheReference) {
         FocusGeometry geometry = unit_geometry;
         geometry.gain_px *= scale;
         geometry.inverse_focus_per_m = 0.3;
+        // The depths that the models use differ, but not what is done with them.
         for (const DepthModel model :
              {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
+            if (model != DepthModel::ray_differentials && scale != 3) continue;
             const auto splats = splats_of(band, 4, {.geometry = geometry, .model = model});
             Image fast;
             layers(*splats, fast);
@@ -71,7 +73,7 @@ TEST(Layers, EqualsTheReferenceForOtherApertures) {
         const std::shared_ptr<const ResponseModel> response = response_model(impulse, geometry, 25);
         const bool diffracts = impulse.kind == ImpulseKind::diffraction;
         // Both forms use the same kernels. The kernels of diffraction are slow to make, so fewer are made.
-        const auto depths = diffracts ? std::optional<int>(16) : std::nullopt;
+        const auto depths = diffracts ? std::optional<int>(8) : std::nullopt;
         const auto splats = splats_of(band, 4, {.geometry = geometry, .depths = depths}, response);
         EXPECT_EQ(splats->kernels().channels(), diffracts ? 3U : 1U);
         Image fast;
@@ -128,12 +130,11 @@ TEST(Layers, IsTheSameBitsForAnyNumberOfThreads) {
     geometry.gain_px *= 4;
     geometry.inverse_focus_per_m = 0.3;
     std::vector<Image> images;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         images.push_back(layered(band, 4, {.geometry = geometry}));
     }
     EXPECT_EQ(images[0].rgb, images[1].rgb);
-    EXPECT_EQ(images[0].rgb, images[2].rgb);
 }
 
 TEST(Layers, AnyLensGivesFinitePicturesBetweenTheDarkestAndTheBrightest) {

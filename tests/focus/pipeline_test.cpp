@@ -62,7 +62,7 @@ class Pipeline : public testing::Test {
 TEST_F(Pipeline, PinholePicturesAreOneBitForBit) {
     const SampleFileReader file(
         traced(busy_scene().scene,
-               {.camera = {.width = 100, .height = 75}, .subdivision = {.levels = 4}, .overscan_px = 7}));
+               {.camera = {.width = 60, .height = 45}, .subdivision = {.levels = 4}, .overscan_px = 7}));
     ASSERT_TRUE(file.header().has_w);
     const Image stored = file.picture();
     EXPECT_EQ(pinhole_picture(file).rgb, stored.rgb);
@@ -77,7 +77,7 @@ TEST_F(Pipeline, PinholePicturesAreOneBitForBit) {
 TEST_F(Pipeline, AsTheCircleVanishesThePictureIsThePinholes) {
     const SampleFileReader file(
         traced(busy_scene().scene,
-               {.camera = {.width = 100, .height = 75}, .subdivision = {.levels = 4}, .overscan_px = 7}));
+               {.camera = {.width = 60, .height = 45}, .subdivision = {.levels = 4}, .overscan_px = 7}));
     const Image stored = file.picture();
     for (const double f_number : {1e6, 1e9}) {
         for (const DepthModel model :
@@ -95,14 +95,13 @@ TEST_F(Pipeline, AsTheCircleVanishesThePictureIsThePinholes) {
 TEST_F(Pipeline, TheSameBitsForAnyNumberOfThreads) {
     const SampleFileReader file(
         traced(busy_scene().scene,
-               {.camera = {.width = 200, .height = 150}, .subdivision = {.levels = 3}, .overscan_px = 7}));
+               {.camera = {.width = 120, .height = 90}, .subdivision = {.levels = 3}, .overscan_px = 7}));
     std::vector<Image> images;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         images.push_back(focus_picture(file, {.lens = {50, 1.4}, .focus_distance_m = 3.5}).image);
     }
     EXPECT_EQ(images[0].rgb, images[1].rgb);
-    EXPECT_EQ(images[0].rgb, images[2].rgb);
 }
 
 // For one defocused plane, the focused image is the raster of corners filtered by one disc. The reference is

@@ -61,8 +61,10 @@ TEST(Scatter, SplatsEqualTheReference) {
         FocusGeometry geometry = unit_geometry;
         geometry.gain_px *= scale;
         geometry.inverse_focus_per_m = 0.3;
+        // The depths that the models use differ, but not what is done with them.
         for (const DepthModel model :
              {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
+            if (model != DepthModel::ray_differentials && scale != 3) continue;
             expect_equals_reference(*tables_of(band, 4, {.geometry = geometry, .model = model}));
         }
     }

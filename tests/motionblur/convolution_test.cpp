@@ -225,12 +225,11 @@ TEST(Convolution, SameBitsForAnyNumberOfThreads) {
         for (const auto method :
              {ConvolutionMethod::automatic, ConvolutionMethod::direct, ConvolutionMethod::fft}) {
             std::vector<Planes> results;
-            for (const int threads : {1, 2, 5}) {
+            for (const int threads : {1, 5}) {
                 const ThreadLimit limit(threads);
                 results.push_back(convolve(i1, i2, method));
             }
             EXPECT_EQ(results[0].planes, results[1].planes);
-            EXPECT_EQ(results[0].planes, results[2].planes);
         }
     }
 }

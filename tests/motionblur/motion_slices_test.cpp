@@ -213,7 +213,7 @@ TEST(MotionSlices, SameBitsForAnyNumberOfThreads) {
     b.add(Sphere{{-0.25, 0, -4}, 0.8}, glowing(dvec3(0.8))).keys = from_to({0.5, 0.2, 0});
     const TracedFrame frame(b.scene, for_shutter());
     Image first;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         const Image image = frame.blur(MotionMethod::convolve).image;
         if (threads == 1) first = image;

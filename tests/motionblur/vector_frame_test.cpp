@@ -267,7 +267,7 @@ TEST_F(VectorFrameTest, TransparentPixelsAreBackground) {
 TEST_F(VectorFrameTest, SameBitsForAnyNumberOfThreads) {
     const VectorFrame f = frame_of(plate());
     Image first;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         const Image image = vector_blur(f, {.exposure = {-0.5, 1}}).image;
         if (threads == 1) first = image;

@@ -435,7 +435,7 @@ TEST(PatchMarks, SayWhereNothingIsKnown) {
 
 TEST(PatchMarks, SameBitsForAnyNumberOfThreads) {
     std::vector<PatchPicture> pictures;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         const MovingSheets f({.levels = 3, .has_layers = true}, [](Record& r) {
             r.id = 4 + r.id % 2;

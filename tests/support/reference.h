@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <utility>
 
+#include "pictures/srgb.h"
 #include "tracer/render.h"
 
 namespace postlens::test {
@@ -41,6 +42,17 @@ inline double squared_error(const Image& image, const Reference& r) {
 /// The peak signal-to-noise ratio of all colour values against the reference without its noise, dB.
 inline double psnr(const Image& image, const Reference& r, double peak = 1) {
     return -10 * std::log10(squared_error(image, r) / peak / peak);
+}
+
+/// The image with sRGB values, clamped to 0..1, instead of linear ones.
+inline Image encoded(Image image) {
+    for (float& v : image.rgb) v = srgb_from_linear(v);
+    return image;
+}
+
+/// `psnr` of the sRGB values, dB.
+inline double encoded_psnr(const Image& image, const Reference& r) {
+    return psnr(encoded(image), {.image = {}, .halves = {encoded(r.halves[0]), encoded(r.halves[1])}});
 }
 
 /// The image by rays of a scene in which a lens sees only uniform surfaces through pixels outside of `crop`.

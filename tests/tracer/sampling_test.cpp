@@ -165,7 +165,7 @@ TEST(Trace, TheSameFileForAnyNumberOfThreads) {
     SceneBuilder b = busy_scene();
     const TemporaryFolder folder;
     std::vector<std::string> files;
-    for (const int threads : {1, 2, 5}) {
+    for (const int threads : {1, 5}) {
         const ThreadLimit limit(threads);
         const fs::path path = folder.path() / (std::to_string(threads) + ".exr");
         trace_to_file(
@@ -175,7 +175,6 @@ TEST(Trace, TheSameFileForAnyNumberOfThreads) {
     }
     EXPECT_FALSE(files[0].empty());
     EXPECT_EQ(files[0], files[1]);
-    EXPECT_EQ(files[0], files[2]);
 }
 
 TEST(Trace, PartZeroIsThePictureOfTheRecords) {
