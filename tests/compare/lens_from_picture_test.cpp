@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -63,9 +64,11 @@ struct Traced {
     Scene scene;
     std::unique_ptr<SampleFileReader> file;
 
-    explicit Traced(Scene of) : scene(std::move(of)) {
+    /// With one level, records are coarse, but as right for images that are made from them.
+    explicit Traced(Scene of, const std::optional<int>& levels = {}) : scene(std::move(of)) {
         TraceSettings settings;
         settings.overscan_px = 8;
+        if (levels) settings.subdivision.levels = *levels;
         trace_to_file(scene, settings, folder.path() / "frame.exr");
         file = std::make_unique<SampleFileReader>(folder.path() / "frame.exr");
     }
@@ -106,7 +109,7 @@ std::string refusal(const SampleFileReader& file, const Image& picture, ExitCode
 // An image by `focus` with the same depths leaves no error. The descent ends when the error decreases by less
 // than 1e-4 of itself; before that it converges quadratically to 0, from 3 % or less.
 TEST(LensFromPicture, FindsTheLensOfAPictureByFocus) {
-    const Traced room_with_panels(room(true));
+    const Traced room_with_panels(room(true), 1);
     const LensFromPicture found =
         lens_from_picture(*room_with_panels.file, focused(*room_with_panels.file, 0.6, 3));
     expect_lens(found, 0.6, 3, 1e-3);
@@ -144,7 +147,7 @@ TEST(LensFromPicture, TellsNearFromFarFocus) {
 }
 
 TEST(LensFromPicture, RefusesWhatTellsNoLens) {
-    const Traced t(room(false));
+    const Traced t(room(false), 1);
     Image even(width, height);
     for (float& v : even.rgb) v = 0.4F;
     EXPECT_NE(refusal(*t.file, even, ExitCode::invalid_input).find("same all over"), std::string::npos);
@@ -158,7 +161,7 @@ TEST(LensFromPicture, RefusesWhatTellsNoLens) {
 }
 
 TEST(LensFromPicture, RefusesAPictureOfSomethingElse) {
-    const Traced t(room(false));
+    const Traced t(room(false), 1);
     Image noise(width, height);
     std::mt19937 random(1);
     for (float& v : noise.rgb) v = std::uniform_real_distribution<float>(0, 1)(random);
@@ -179,13 +182,13 @@ TEST(LensFromPicture, RefusesOneDepth) {
     b.scene.cameras[0].width = width;
     b.scene.cameras[0].height = height;
     add_panel(b, square({0, 0, -3}, {0, 0, 1}, 4), 1, {3, 3});
-    const Traced t(b.scene);
+    const Traced t(b.scene, 1);
     EXPECT_NE(refusal(*t.file, focused(*t.file, 0.6, 1.5), ExitCode::invalid_input).find("apart"),
               std::string::npos);
 }
 
 TEST(LensFromPicture, RefusesWhatIsNoPictureOfTheView) {
-    const Traced t(room(false));
+    const Traced t(room(false), 1);
     EXPECT_NE(refusal(*t.file, Image(64, 48), ExitCode::invalid_input).find("64x48"), std::string::npos);
     Image bad(width, height);
     bad.rgb[5] = std::numeric_limits<float>::quiet_NaN();

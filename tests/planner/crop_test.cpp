@@ -26,10 +26,14 @@ namespace {
 
 const std::string samples = POSTLENS_SAMPLES;
 
-/// Size of the images: larger than a block of any method (256 px), and not a multiple of it.
-constexpr int width = 264, height = 260;
+/// Size of the images: larger than two blocks of most methods (64 px), and not a multiple of a block.
+constexpr int width = 140, height = 136;
 /// Crops within a block, over several blocks up to the lower right corner, and of a single pixel.
-constexpr Crop inside{70, 90, 41, 23}, far_corner{214, 170, 50, 90}, one_pixel{13, 259, 1, 1};
+constexpr Crop inside{70, 68, 41, 23}, far_corner{90, 46, 50, 90}, one_pixel{13, 135, 1, 1};
+
+/// The same for the method scatter, whose blocks are of 256 px.
+constexpr int scatter_width = 264, scatter_height = 260;
+constexpr Crop scatter_inside{70, 90, 41, 23}, scatter_corner{214, 170, 50, 90}, scatter_pixel{13, 259, 1, 1};
 
 class CropTest : public testing::Test {
   protected:
@@ -77,21 +81,24 @@ class CropTest : public testing::Test {
 const FocusSettings wide{.lens = {.focal_length_mm = 50, .f_number = 2.8}, .focus_distance_m = 1};
 
 TEST_F(CropTest, PinholeAndScatter) {
-    traced("still_life.toml", {.overscan_px = 8});
+    TraceSettings trace{.overscan_px = 8};
+    trace.camera.width = scatter_width;
+    trace.camera.height = scatter_height;
+    traced("bars.toml", trace);
     FocusSettings s = wide;
     s.method = FocusMethod::pinhole;
-    expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
-    expect_same(pinhole_picture(*file_, inside), pinhole_picture(*file_), inside);
+    expect_bits_of_the_whole(s, {scatter_inside, scatter_corner, scatter_pixel});
+    expect_same(pinhole_picture(*file_, scatter_inside), pinhole_picture(*file_), scatter_inside);
     s.method = FocusMethod::scatter;
-    expect_bits_of_the_whole(s, {inside, far_corner, one_pixel});
+    expect_bits_of_the_whole(s, {scatter_inside, scatter_corner, scatter_pixel});
     s.depths = 9;
-    expect_bits_of_the_whole(s, {far_corner});
+    expect_bits_of_the_whole(s, {scatter_corner});
     // The film distance of this framing changes the magnification.
     s.framing = Framing::breathing;
-    expect_bits_of_the_whole(s, {inside});
+    expect_bits_of_the_whole(s, {scatter_inside});
     s = wide;
     s.impulse = {.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.6};
-    expect_bits_of_the_whole(s, {far_corner});
+    expect_bits_of_the_whole(s, {scatter_corner});
 }
 
 class InStrips : public CropTest, public testing::WithParamInterface<FocusMethod> {};
@@ -99,20 +106,20 @@ class InStrips : public CropTest, public testing::WithParamInterface<FocusMethod
 TEST_P(InStrips, HasTheBitsOfTheWhole) {
     TraceSettings trace{.overscan_px = 8, .hidden_layers = 1};
     std::vector<Crop> crops{far_corner, one_pixel};
-    std::size_t splat_bytes = 3 << 20;
-    if (GetParam() == FocusMethod::layers) {
-        // The blocks of this method are 64 px wide, so three by three of them are enough.
-        trace.camera.width = trace.camera.height = 140;
-        crops = {{90, 50, 50, 90}, {13, 139, 1, 1}};
-        splat_bytes = 3 << 18;
+    std::size_t splat_bytes = 3 << 18;
+    if (GetParam() == FocusMethod::scatter) {
+        trace.camera.width = scatter_width;
+        trace.camera.height = scatter_height;
+        crops = {scatter_corner, scatter_pixel};
+        splat_bytes = 3 << 20;
     }
-    traced("still_life.toml", trace);
+    traced(GetParam() == FocusMethod::scatter ? "bars.toml" : "still_life.toml", trace);
     for (const Impulse& impulse :
          {Impulse{}, Impulse{.kind = ImpulseKind::polygon, .blades = 6, .cats_eye = 0.6}}) {
         FocusSettings s = wide;
         s.method = GetParam();
         if (s.method == FocusMethod::layers && impulse.kind == ImpulseKind::disc) continue;  // slow
-        s.lens.f_number = 8;
+        s.lens.f_number = 16;
         s.impulse = impulse;
         const FocusResult whole = focus_picture(*file_, s);
         s.splat_bytes = splat_bytes;  // makes several strips, some of them in several parts
@@ -200,7 +207,10 @@ TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
 
 TEST_F(CropTest, AFewRowsOfSquaresTellWhatAllSurfacesTake) {
     for (const char* scene : {"still_life.toml", "bars.toml"}) {
-        traced(scene, {.overscan_px = 8});
+        TraceSettings trace{.overscan_px = 8};
+        trace.camera.width = 264;
+        trace.camera.height = 260;
+        traced(scene, trace);
         const TreeSheets all = tree_sheets(*file_, 0, {});
         const PatchLens lens{50, 0.3};
         const auto bytes = [](const auto&... lists) {
@@ -265,7 +275,10 @@ TEST_F(CropTest, LightFieldHybridAndAuto) {
 
 TEST_F(CropTest, HybridThatScatters) {
     // With this number of views, scattering is faster where a single surface is seen.
-    traced("motion.toml");
+    TraceSettings trace;
+    trace.camera.width = scatter_width;
+    trace.camera.height = scatter_height;
+    traced("motion.toml", trace);
     HybridSettings s{.focus = wide};
     s.focus.lens.f_number = 16;
     s.focus.focus_distance_m = 3;
@@ -293,11 +306,11 @@ TEST_F(CropTest, LensAndShutterWithGapsFilledFromAfar) {
     s.views = 8;
     const HybridSettings both{.focus = s, .motion = &motion, .shutter = TimeSpan{0.9, 1}};
     const Image whole = hybrid_picture(*file_, both).focus.image;
-    // Crops of the size of a tile, spread over the image: some contain holes, some do not.
-    for (int y = 10; y + 30 <= height; y += 60) {
-        for (int x = 10; x + 50 <= width; x += 80) {
+    // Crops spread over the image: some contain holes, some do not.
+    for (int y = 10; y + 20 <= height; y += 45) {
+        for (int x = 10; x + 30 <= width; x += 45) {
             HybridSettings part = both;
-            part.focus.crop = Crop{x, y, 50, 30};
+            part.focus.crop = Crop{x, y, 30, 20};
             expect_same(hybrid_picture(*file_, part).focus.image, whole, *part.focus.crop);
         }
     }
@@ -320,8 +333,8 @@ TEST_F(CropTest, SharesAreThoseOfTheCrop) {
     EXPECT_GT(all, 0);
     EXPECT_LT(all, 1);
     EXPECT_EQ(share(Crop{0, 0, width, height}), all);
-    EXPECT_EQ(share(Crop{0, 100, 1, 50}), 1);     // along the border
-    EXPECT_EQ(share(Crop{140, 130, 20, 10}), 0);  // in the middle
+    EXPECT_EQ(share(Crop{0, 53, 1, 20}), 1);    // along the border
+    EXPECT_EQ(share(Crop{65, 63, 10, 10}), 0);  // in the middle
 }
 
 TEST_F(CropTest, RenderTracesOnlyTheTilesOfTheCrop) {

@@ -18,14 +18,14 @@
 namespace postlens::test::stated_noise_test {
 namespace {
 
-constexpr int width = 320, height = 192, images = 6;
+constexpr int width = 256, height = 192, images = 5;
 
 struct Lens {
     const char* scene;
     double f_number, focus_m;
 };
 
-/// Images of 64 views each, and for each image the stated error of every tile.
+/// Images of 32 views each, and for each image the stated error of every tile.
 struct Images {
     std::vector<Image> image;
     std::vector<std::vector<StatedError>> stated;
@@ -39,7 +39,7 @@ Images draw(const SampleFileReader& file, const Lens& lens) {
     Images out;
     for (int i = 0; i < images; ++i) {
         HalvedViews views(frame, settings, 128 * i);
-        views.draw(std::vector<int>(views.grid().count(), 64));
+        views.draw(std::vector<int>(views.grid().count(), 32));
         out.stated.emplace_back();
         for (int y = 0; y < height; y += TileGrid::edge) {
             for (int x = 0; x < width; x += TileGrid::edge)
@@ -79,7 +79,7 @@ std::vector<std::vector<double>> squared_errors(const Images& drawn) {
     return out;
 }
 
-// 360 tiles of 24 images are compared. Three statements are tested.
+// 240 tiles of 20 images are compared. Three statements are tested.
 // - The 95 % interval of a tile contains the tile's error.
 // - A tile whose interval implies a standard deviation of at most 0.5 dB for the noise estimate (1.96 of them
 //   are 1 dB) states its noise to 1 dB in 95 % of the cases.

@@ -12,6 +12,7 @@
 #include "planner/hybrid.h"
 #include "tests/planner/lens_case.h"
 #include "tests/support/quads.h"
+#include "tests/support/reference.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/distributed/render_setup.h"
 #include "tracer/distributed/scene_rays.h"
@@ -29,13 +30,13 @@ TEST_P(UnsureViews, AreAsRightAsRays) {
     const Scene scene = small(c.scene);
     const TracedFrame frame(scene, traced_for(c));
     const double focal_length_mm = frame.file().header().focal_length_mm;
-    const Image truth = rendered(scene, c, focal_length_mm, 1024, 9);
+    const Reference truth = reference(scene, by_rays(c, focal_length_mm, 256, 9));
     constexpr int views = 64;
     HybridSettings s = hybrid_of(c, focal_length_mm, views);
     s.scene = &scene;
     const HybridResult got = hybrid_picture(frame.file(), s);
-    const double of_rays = db(rendered(scene, c, focal_length_mm, views, 5, true), truth);
-    EXPECT_GT(db(got.focus.image, truth), std::min(50.0, of_rays - 0.5));
+    const double of_rays = encoded_psnr(rendered(scene, c, focal_length_mm, views, 5, true), truth);
+    EXPECT_GT(encoded_psnr(got.focus.image, truth), std::min(50.0, of_rays - 0.5));
     EXPECT_LT(got.retraced_share, 0.5);
     ASSERT_TRUE(got.stated);
     // Up to 4096 pixels at edges of highlights are measured by 256 rays each.
@@ -80,8 +81,9 @@ TEST(UnsureViews, LeavesOfOneMeshAreAsRightAsRays) {
     HybridSettings s = hybrid_of(c, 50, 64);
     s.scene = &b.scene;
     const HybridResult got = hybrid_picture(frame.file(), s);
-    const Image truth = rendered(b.scene, c, 50, 1024, 9);
-    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) - 0.5);
+    const Reference truth = reference(b.scene, by_rays(c, 50, 256, 9));
+    EXPECT_GT(encoded_psnr(got.focus.image, truth),
+              encoded_psnr(rendered(b.scene, c, 50, 64, 5, true), truth) - 0.5);
     EXPECT_LT(got.retraced_share, 0.5);
 }
 
@@ -98,9 +100,9 @@ ManyViews many_views(const Scene& scene, const Case& c) {
     HybridSettings s = hybrid_of(c, 50, 256);
     s.scene = &scene;
     ManyViews out{.hybrid = hybrid_picture(frame.file(), s)};
-    const Image truth = rendered(scene, c, 50, 4096, 9);
-    out.psnr_db = db(out.hybrid.focus.image, truth);
-    out.psnr_of_rays_db = db(rendered(scene, c, 50, 256, 5, true), truth);
+    const Reference truth = reference(scene, by_rays(c, 50, 1024, 9));
+    out.psnr_db = encoded_psnr(out.hybrid.focus.image, truth);
+    out.psnr_of_rays_db = encoded_psnr(rendered(scene, c, 50, 256, 5, true), truth);
     return out;
 }
 
@@ -271,16 +273,16 @@ TEST(UnsureViews, KnowThatThingsGoOnBeyondTheBorder) {
     HybridSettings s = hybrid_of(c, frame.file().header().focal_length_mm, 64);
     s.scene = &scene;
     const Image got = hybrid_picture(frame.file(), s).focus.image;
-    const Image truth = rendered(scene, c, s.focus.lens.focal_length_mm, 1024, 9),
-                of_rays = rendered(scene, c, s.focus.lens.focal_length_mm, 64, 5, true);
+    const Reference truth = reference(scene, by_rays(c, s.focus.lens.focal_length_mm, 256, 9));
+    const Image of_rays = rendered(scene, c, s.focus.lens.focal_length_mm, 64, 5, true);
     const auto border_error = [&](const Image& image) {
         double sum = 0;
         for (int y = 0; y < 54; ++y) {
             for (int x = 0; x < 96; ++x) {
                 if (x >= 3 && y >= 3 && x < 93 && y < 51) continue;
                 for (int n = 0; n < 3; ++n) {
-                    const double d = static_cast<double>(image.pixel(x, y)[n]) - truth.pixel(x, y)[n];
-                    sum += d * d;
+                    const auto v = static_cast<double>(image.pixel(x, y)[n]);
+                    sum += (v - truth.halves[0].pixel(x, y)[n]) * (v - truth.halves[1].pixel(x, y)[n]);
                 }
             }
         }
