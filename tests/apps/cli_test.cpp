@@ -540,7 +540,7 @@ TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
                                lens}) {
         const pid_t child = begin(words);
         wait_for_handler(child);
-        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        wait_for_work(child, std::chrono::milliseconds(500));
         ASSERT_EQ(::kill(child, SIGINT), 0);
         const auto start = std::chrono::steady_clock::now();
         int status = 0;

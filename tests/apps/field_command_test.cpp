@@ -49,7 +49,7 @@ class FieldCommand : public CommandTest {
 // curved surfaces must not reveal it. `layers` reaches 56.7 dB.
 TEST_F(FieldCommand, CapsInsideCylindersStayHidden) {
     const std::string scene = POSTLENS_TEST_DATA "/nff/joints.nff";
-    const Words size{"--size", "320x240", "--metres-per-unit", "0.5"};
+    const Words size{"--size", "160x120", "--metres-per-unit", "0.5"};
     const auto done = [&](Words words, const Words& more) {
         words.insert(words.end(), more.begin(), more.end());
         const Outcome r = run(words);

@@ -158,10 +158,11 @@ TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
                           "0-2",   "--focus",        "3"};
         EXPECT_EQ(made_again(focus + Words{"--f-number", "2"}), (Words{"absent", "absent", "absent"}))
             << ending;
-        EXPECT_EQ(made_again(focus + Words{"--f-number", "2"}), (Words{"", "", ""})) << ending;
         const Words others = made_again(focus + Words{"--f-number", "4"});
         EXPECT_EQ(others[1], R"(--f-number (got ["2"]; expected ["4"]))") << ending;
-        EXPECT_EQ(made_again(focus + Words{"--f-number", "4", "--share", "1/2"}), (Words{""})) << ending;
+        if (ending != "exr") continue;
+        EXPECT_EQ(made_again(focus + Words{"--f-number", "4"}), (Words{"", "", ""}));
+        EXPECT_EQ(made_again(focus + Words{"--f-number", "4", "--share", "1/2"}), (Words{""}));
     }
     // Another input of one frame.
     const Words image{"image", in("f.%04d.exr"), "-o", in("i.%d.png"), "--frames", "0-2"};

@@ -217,12 +217,12 @@ TEST_F(Render, ResumeWithoutAnythingToGoOnFromBeginsAnewAndSaysSo) {
 class RenderInterrupted : public Render {
   protected:
     Words slow(const std::string& output, const Words& more = {}) {
-        return render(output, Words{"--size", "160x120", "--spp", "512", "--seed", "3", "--quiet"} + more);
+        return render(output, Words{"--size", "160x120", "--spp", "256", "--seed", "3", "--quiet"} + more);
     }
     void interrupt(const Words& words, int signal = SIGINT, int code = 130) {
         const pid_t child = begin(words + Words{"--threads", "1"});
         wait_for_handler(child);
-        std::this_thread::sleep_for(std::chrono::milliseconds(600) * slower);
+        wait_for_work(child, std::chrono::milliseconds(120) * slower);
         ASSERT_EQ(::kill(child, signal), 0);
         const auto asked = std::chrono::steady_clock::now();
         int status = 0;
@@ -256,7 +256,7 @@ TEST_F(RenderInterrupted, GoesOnToTheSameBits) {
     ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     const json j = json::parse(resumed.out);
     EXPECT_TRUE(j.at("warnings").empty()) << resumed.out;
-    EXPECT_LT(j.at("rays").at("eye"), 160 * 120 * 512);  // the run did not start anew
+    EXPECT_LT(j.at("rays").at("eye"), 160 * 120 * 256);  // the run did not start anew
     EXPECT_FALSE(fs::exists(in("x.partial.exr")));
     ASSERT_EQ(run(slow("y.exr", {"--halves"})).exit_code, 0);
     // Compares images instead of files, because files contain the time of writing.
@@ -279,18 +279,18 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
         return Words{"--spp", spp, "--seed", seed, "--size", size, "--shutter", shutter};
     };
     for (const Words& other :
-         {settings("511", "3", "160x120", "0:1"), settings("512", "4", "160x120", "0:1"),
-          settings("512", "3", "120x160", "0:1"), settings("512", "3", "160x120", "0:0.5"),
-          settings("512", "3", "160x120", "0:1") + Words{"--halves"},
-          settings("512", "3", "160x120", "0:1") + Words{"--f-number", "2.1"},
-          settings("512", "3", "160x120", "0:1") + Words{"--sampler", "jittered"},
-          settings("512", "3", "160x120", "0:1") + Words{"--shutter-curve", "triangle"},
-          settings("512", "3", "160x120", "0:1") + Words{"--max-depth", "4"}})
+         {settings("255", "3", "160x120", "0:1"), settings("256", "4", "160x120", "0:1"),
+          settings("256", "3", "120x160", "0:1"), settings("256", "3", "160x120", "0:0.5"),
+          settings("256", "3", "160x120", "0:1") + Words{"--halves"},
+          settings("256", "3", "160x120", "0:1") + Words{"--f-number", "2.1"},
+          settings("256", "3", "160x120", "0:1") + Words{"--sampler", "jittered"},
+          settings("256", "3", "160x120", "0:1") + Words{"--shutter-curve", "triangle"},
+          settings("256", "3", "160x120", "0:1") + Words{"--max-depth", "4"}})
         refused(resume(other), three, "other settings");
-    refused(resume(settings("512", "4", "160x120", "0:1")), three,
+    refused(resume(settings("256", "4", "160x120", "0:1")), three,
             "x.partial.exr: cannot go on from this file: it was made with other settings: seed (got 3; "
             "expected 4) (without");
-    const Words same = settings("512", "3", "160x120", "0:1");
+    const Words same = settings("256", "3", "160x120", "0:1");
     const auto damaged = [&](const std::string& bytes) {
         std::ofstream(in("x.partial.exr"), std::ios::binary) << bytes;
         refused(resume(same), three, "x.partial.exr");

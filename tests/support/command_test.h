@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -32,6 +33,18 @@ inline void wait_for_handler(pid_t process) {
                 return;
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+}
+
+/// Waits until `process` has computed for this long, up to 30 s: on a busy machine it may take long to start.
+inline void wait_for_work(pid_t process, std::chrono::milliseconds work) {
+    clockid_t clock{};
+    if (::clock_getcpuclockid(process, &clock) != 0) return;
+    for (int i = 0; i < 6000; ++i) {
+        timespec used{};
+        if (::clock_gettime(clock, &used) != 0) return;
+        if (std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec) >= work) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
 }
 
