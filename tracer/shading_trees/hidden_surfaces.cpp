@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "tracer/shading/shading.h"
@@ -31,6 +32,7 @@ struct Chain {
     int crossings = 0;
     int layers = 0;                      // number of surfaces hit so far
     int kept = 0;                        // number of hidden surfaces returned so far
+    bool goes_on = false;                // the ray needs further hits
     bool still = false;                  // one of the surfaces so far does not move
     std::vector<std::uint32_t> entered;  // parts whose inside contains the end of the ray so far
     struct Met {
@@ -40,6 +42,16 @@ struct Chain {
     std::vector<Met> here;       // coincident hits at here_t
     std::vector<Places> places;  // for each surface so far, its raster positions at all instants
     LensReach::Covers covers;    // inverse depths of the surfaces so far
+
+    // Makes this the chain of another ray. The vectors keep their memory.
+    void restart(std::uint32_t of) {
+        ray = of;
+        beyond = goes_on = still = false;
+        crossings = layers = kept = 0;
+        entered.clear();
+        here.clear();
+        places.clear();
+    }
 };
 
 class Follower {
@@ -48,14 +60,14 @@ class Follower {
              std::vector<HiddenHit>& out)
         : scene_(scene), wanted_(wanted), eye_(eye), out_(out) {}
 
-    void begin(std::uint32_t ray, std::vector<Chain>& chains) {
+    // Starts the chain of a ray with its first hit. Returns false if the ray needs no further hits.
+    bool begin(std::uint32_t ray, Chain& c) {
         const FirstHit& e = eye_[ray];
-        if (!e.key.valid()) return;
-        Chain c;
-        c.ray = ray;
+        if (!e.key.valid()) return false;
+        c.restart(ray);
         c.covers = {e.at, e.path, e.parent, 0, 0, e.inverse_depth_limit()};
         meet(c, e.key, e.surface);
-        if (goes_on(c)) chains.push_back(std::move(c));
+        return c.goes_on;
     }
 
     // Returns the distance, m, from which the ray goes on: just before the last hit, because another surface
@@ -73,7 +85,9 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        return goes_on(c);
+        // Whether moving objects lie ahead depends on the position on the ray. The other criteria only depend
+        // on the surfaces so far.
+        return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
   private:
@@ -113,14 +127,18 @@ class Follower {
         const int layer = c.layers++;
         const bool visible = layer == 0;
         const bool seen_past = wanted_.lens != nullptr && lens_sees(c, key, s);
-        if (visible && !goes_on(c)) return;  // ends most rays of a scene in which little moves
+        if (visible) c.goes_on = needs_more(c);
+        if (visible && !c.goes_on) return;  // ends most rays of a scene in which little moves
         const bool uncovered = by_motion(c) && comes_to_light(c, key, s);
-        if (visible || !(wanted_.all() || seen_past || uncovered)) return;
-        ++c.kept;
-        out_.push_back({c.ray, static_cast<std::uint32_t>(layer), key, s});
+        if (visible) return;
+        if (wanted_.all() || seen_past || uncovered) {
+            ++c.kept;
+            out_.push_back({c.ray, static_cast<std::uint32_t>(layer), key, s});
+        }
+        c.goes_on = key.valid() && needs_more(c);
     }
 
-    [[nodiscard]] bool goes_on(const Chain& c) const {
+    [[nodiscard]] bool needs_more(const Chain& c) const {
         if (c.layers > wanted_.count) return false;
         if (wanted_.all()) return true;
         if (c.kept >= (by_motion(c) ? HiddenLayers::most_uncovered : HiddenLayers::most_seen_past))
@@ -196,6 +214,16 @@ class Follower {
     std::vector<HiddenHit>& out_;
 };
 
+// Sorts the hidden surfaces of `rays` rays by ray. Those of one ray keep their order.
+void order_by_ray(const std::vector<HiddenHit>& found, std::size_t rays, std::vector<HiddenHit>& out) {
+    thread_local std::vector<std::uint32_t> next;
+    next.assign(rays + 1, 0);
+    for (const HiddenHit& h : found) ++next[h.ray + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    out.resize(found.size());
+    for (const HiddenHit& h : found) out[next[h.ray]++] = h;
+}
+
 }  // namespace
 
 double FirstHit::inverse_depth_limit() const {
@@ -204,34 +232,35 @@ double FirstHit::inverse_depth_limit() const {
 
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent) {
-    out.clear();
-    thread_local std::vector<Chain> chains;
+    thread_local std::vector<Chain> chains;  // kept for the memory of their vectors
+    thread_local std::vector<std::uint32_t> open;
+    thread_local std::vector<HiddenHit> found;
     thread_local RayBatch batch;
-    chains.clear();
-    Follower follower(scene, wanted, eye, out);
-    for (std::uint32_t i = 0; i < eye.size(); ++i) follower.begin(i, chains);
-    while (!chains.empty()) {
+    open.clear();
+    found.clear();
+    if (chains.size() < eye.size()) chains.resize(eye.size());
+    Follower follower(scene, wanted, eye, found);
+    for (std::uint32_t i = 0; i < eye.size(); ++i) {
+        if (follower.begin(i, chains[i])) open.push_back(i);
+    }
+    while (!open.empty()) {
         batch.clear(true);
-        for (const Chain& c : chains) {
-            const FirstHit& e = eye[c.ray];
-            batch.add(e.origin + follower.start(c) * e.direction, e.direction,
-                      std::numeric_limits<float>::infinity(), c.key);
+        for (const std::uint32_t i : open) {
+            const FirstHit& e = eye[i];
+            batch.add(e.origin + follower.start(chains[i]) * e.direction, e.direction,
+                      std::numeric_limits<float>::infinity(), chains[i].key);
         }
         scene.intersect(batch, false);
-        rays_spent += chains.size();
+        rays_spent += open.size();
         std::size_t left = 0;
-        for (std::size_t i = 0; i < chains.size(); ++i) {
-            Chain& c = chains[i];
-            const double t = follower.start(c) + static_cast<double>(batch.t[i]);
-            if (!follower.advance(c, batch.hit(i), t)) continue;
-            if (left != i) chains[left] = std::move(c);
-            ++left;
+        for (std::size_t k = 0; k < open.size(); ++k) {
+            Chain& c = chains[open[k]];
+            const double t = follower.start(c) + static_cast<double>(batch.t[k]);
+            if (follower.advance(c, batch.hit(k), t)) open[left++] = open[k];
         }
-        chains.resize(left);
+        open.resize(left);
     }
-    std::sort(out.begin(), out.end(), [](const HiddenHit& a, const HiddenHit& b) {
-        return a.ray != b.ray ? a.ray < b.ray : a.layer < b.layer;
-    });
+    order_by_ray(found, eye.size(), out);
 }
 
 }  // namespace postlens
