@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -14,11 +15,13 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns the square of the pyramid in which this thread's last search ended.
-/// The next search is usually close by and often ends there too.
-MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
-    thread_local std::array<MinMaxPyramid::Hint, 64> hints;
-    return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
+/// Returns the square of the pyramid in which this thread's last search behind a surface of a similar inverse
+/// depth ended. The next search is usually close by and often ends in the same square.
+MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
+    thread_local std::array<MinMaxPyramid::Hint, 256> hints;
+    const std::size_t depth =
+        std::bit_cast<std::uint64_t>(inverse_depth) >> 49U;  // sign, exponent and three bits of the fraction
+    return hints[(std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) + depth) % hints.size()];
 }
 
 WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
@@ -103,24 +106,31 @@ void LensReach::add_view(const View& view, std::span<const Seen> seen) {
 }
 
 bool LensReach::may_see(const Covers& covers, double behind) const {
-    return looks_behind(covers, behind, &MinMaxPyramid::any_in);
+    return looks_behind(covers, behind, &MinMaxPyramid::any_in, &MinMaxPyramid::hint_in);
 }
 
 bool LensReach::may_see_past(const Covers& covers) const {
-    return looks_behind(covers, covers.limit, &MinMaxPyramid::maybe_any_in);
+    return looks_behind(covers, covers.limit, &MinMaxPyramid::maybe_any_in, &MinMaxPyramid::hint_maybe_in);
 }
 
-bool LensReach::looks_behind(const Covers& covers, double behind, Search search) const {
+bool LensReach::looks_behind(const Covers& covers, double behind, Search search, Peek peek) const {
     const auto view = views_.find({covers.path.bits(), covers.parent});
     if (view == views_.end()) return false;
     const MinMaxPyramid& seen = view->second;
     const double k = px_per_inverse_m_, least = same_place_px_ / k;
     if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // the usual case
-    const auto edge_for = [&](double nearest) {
+    MinMaxPyramid::Hint& hint = hint_of(seen, covers.farthest);
+    const auto cone_for = [&](double nearest) {
         const double radius = k * (nearest - behind) + margin_px;
-        return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
+        return MinMaxPyramid::Cone{covers.at, radius, covers.farthest, least, edge_slope / k};
     };
-    // Largest distance, px, of an edge past which the lens may see the hidden surface.
+    const auto edge_for = [&](double nearest) { return (seen.*search)(cone_for(nearest), hint); };
+    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with the inverse
+    // depth `nearest`, relative to the hidden surface. First, `nearest` is an upper bound for all surfaces
+    // close to the ray, which rejects most rays. Then it is that of the covers, and last that of a nearer
+    // surface beside them, which may hide their edge. If the edge that the last search found suffices for the
+    // covers, no search is needed.
+    if ((seen.*peek)(cone_for(covers.nearest), hint)) return true;
     const double radius = k * (covers.nearest - behind) + margin_px;
     // First tries an upper bound of all inverse depths around the ray, which rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;

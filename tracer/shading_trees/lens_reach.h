@@ -76,7 +76,8 @@ class LensReach {
         float inverse_depth;
     };
     using Search = bool (MinMaxPyramid::*)(const MinMaxPyramid::Cone&, MinMaxPyramid::Hint&) const;
-    [[nodiscard]] bool looks_behind(const Covers& covers, double behind, Search search) const;
+    using Peek = bool (MinMaxPyramid::*)(const MinMaxPyramid::Cone&, const MinMaxPyramid::Hint&) const;
+    [[nodiscard]] bool looks_behind(const Covers& covers, double behind, Search search, Peek peek) const;
     static void add_chains(std::span<const Record> records, int x, int y, std::vector<Seen>& out);
     void add_view(const View& view, std::span<const Seen> seen);
 

@@ -18,6 +18,15 @@ double distance2_of(double x, double y, int square_x, int square_y, double size)
     return dx * dx + dy * dy;
 }
 
+/// Returns whether the cone contains the value `low` at the squared distance `distance2()`.
+template <typename Distance2>
+bool may_contain(const MinMaxPyramid::Cone& cone, float low, const Distance2& distance2) {
+    const double under = cone.top - static_cast<double>(low);
+    if (!(under >= cone.least)) return false;
+    const double d2 = distance2();
+    return d2 <= cone.radius * cone.radius && under * under >= cone.slope * cone.slope * d2;
+}
+
 }  // namespace
 
 MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
@@ -88,7 +97,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // At most three squares per level wait to be searched, on at most 31 levels, so 128 entries suffice.
+    // The stack holds at most 9 squares of the first level and three parts of a square for each of at most 31
+    // levels below, so 128 entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
@@ -112,9 +122,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // Starts on the level where the search circle overlaps at most 2 x 2 squares.
-    // Most circles are small, so a search from the top of the pyramid would take longer.
-    const int top = level_of_width(2 * radius + 1);
+    // The search starts at the level whose squares are as wide as the radius, so the circle overlaps at most
+    // 3 x 3 squares. Most circles are small, so a search from the top of the pyramid would take longer.
+    const int top = level_of_width(radius);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);
     while (going && count > 0) {
@@ -126,30 +136,27 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
     }
 }
 
+bool MinMaxPyramid::at_hint(const Cone& cone, int level, const Hint& hint) const {
+    if (hint.level > level || !(cone.radius >= 0)) return false;
+    const Level& of = levels_[static_cast<std::size_t>(hint.level)];
+    if (hint.x >= of.width || hint.y >= of.height) return false;
+    return may_contain(cone,
+                       of.ranges[static_cast<std::size_t>(hint.y) * static_cast<std::size_t>(of.width) +
+                                 static_cast<std::size_t>(hint.x)]
+                           .low,
+                       [&] {
+                           return distance2_of(cone.at.x - x_begin_, cone.at.y - y_begin_, hint.x, hint.y,
+                                               1 << hint.level);
+                       });
+}
+
 bool MinMaxPyramid::any_in(const Cone& cone, int level, Hint& hint) const {
-    const double radius2 = cone.radius * cone.radius, slope2 = cone.slope * cone.slope;
-    const auto has = [&](const Range& range, const auto& distance2) {
-        const double under = cone.top - static_cast<double>(range.low);
-        if (!(under >= cone.least)) return false;
-        const double d2 = distance2();
-        return d2 <= radius2 && under * under >= slope2 * d2;
-    };
-    if (hint.level <= level && cone.radius >= 0) {
-        const Level& of = levels_[static_cast<std::size_t>(hint.level)];
-        if (hint.x < of.width && hint.y < of.height &&
-            has(of.ranges[static_cast<std::size_t>(hint.y) * static_cast<std::size_t>(of.width) +
-                          static_cast<std::size_t>(hint.x)],
-                [&] {
-                    return distance2_of(cone.at.x - x_begin_, cone.at.y - y_begin_, hint.x, hint.y,
-                                        1 << hint.level);
-                }))
-            return true;
-    }
+    if (at_hint(cone, level, hint)) return true;
     bool found = false;
     descend(
         cone.at, cone.radius,
         [&](const Range& range, const Hint& square, const auto& distance2) {
-            if (!has(range, distance2)) return Next::past;
+            if (!may_contain(cone, range.low, distance2)) return Next::past;
             found = square.level <= level;
             if (found) hint = square;
             return found ? Next::end : Next::into;

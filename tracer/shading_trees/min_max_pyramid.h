@@ -32,6 +32,12 @@ class MinMaxPyramid {
     /// It may also be true for a value that lies outside the cone by up to an eighth of the radius.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
+    /// Returns true if the value or square of values of the hint shows, without a search, that any_in(cone)
+    /// or maybe_any_in(cone) is true.
+    [[nodiscard]] bool hint_in(const Cone& cone, const Hint& hint) const { return at_hint(cone, 0, hint); }
+    [[nodiscard]] bool hint_maybe_in(const Cone& cone, const Hint& hint) const {
+        return at_hint(cone, coarse_level(cone.radius), hint);
+    }
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
     /// Returns the greatest value within `radius` of `at`, or `floor` if all are less.
@@ -57,6 +63,7 @@ class MinMaxPyramid {
     /// Returns the squares of one level that overlap the bounding box of a circle, or else the nearest ones.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
+    [[nodiscard]] bool at_hint(const Cone& cone, int level, const Hint& hint) const;
     enum class Next : std::uint8_t {
         into,
         past,
