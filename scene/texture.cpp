@@ -37,6 +37,23 @@ POSTLENS_MULTIVERSION glm::dvec3 checker_colour(const Checker& checker, const gl
     return sum - 2 * std::floor(sum / 2) == 0 ? checker.even : checker.odd;
 }
 
+POSTLENS_MULTIVERSION ColourRange checker_range(const Checker& checker, const glm::dvec3& low,
+                                                const glm::dvec3& high) {
+    double sum = 0;
+    bool border = false;
+    for (int axis = 0; axis < checker.dimensions; ++axis) {
+        const double size = checker.size[axis], offset = checker.offset[axis];
+        const double cell = exact_cell(low[axis], offset, size);
+        sum += cell;
+        border = border || exact_cell(high[axis], offset, size) != cell;
+    }
+    ColourRange out;
+    const bool even = sum - 2 * std::floor(sum / 2) == 0;
+    if (even || border) out.add(checker.even);
+    if (!even || border) out.add(checker.odd);
+    return out;
+}
+
 glm::dvec3 texel(const ImageTexture& image, int column, int row) {
     const std::size_t at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
                                 static_cast<std::size_t>(column));
@@ -101,17 +118,7 @@ Texture::Texture(ImageTexture image) : is_image_(true), image_(std::move(image))
 }
 
 ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const {
-    if (!is_image_) {
-        ColourRange out;
-        out.add(colour_at(low));
-        for (int axis = 0; axis < checker_.dimensions; ++axis) {
-            const double size = checker_.size[axis], offset = checker_.offset[axis];
-            if (exact_cell(high[axis], offset, size) == exact_cell(low[axis], offset, size)) continue;
-            out.add(checker_.even);
-            out.add(checker_.odd);
-        }
-        return out;
-    }
+    if (!is_image_) return checker_range(checker_, low, high);
     const glm::dvec2 repeat = image_.repeat, across = repeat * glm::dvec2(high - low);
     if (!(across.x < 0.5 && across.y < 0.5)) {
         ColourRange out;

@@ -114,6 +114,17 @@ dmat3 tangential(const dvec3& n) {
     return dmat3(1) - glm::outerProduct(n, n);
 }
 
+// A point of the lateral surface of a cone. Its unnormalised normal is (outward, -k), of length `norm`.
+struct ConeAt {
+    double k, norm, rho;  // rho: distance from the axis
+    dvec2 outward;        // unit, away from the axis
+};
+ConeAt cone_at(const AnalyticShape& shape, const dvec3& p) {
+    const double k = (shape.radius1 - shape.radius0) / shape.height;
+    const double rho = std::max(std::hypot(p.x, p.y), std::numeric_limits<double>::min());
+    return {k, std::sqrt(1 + k * k), rho, dvec2(p.x / rho, p.y / rho)};
+}
+
 double turn(double x, double y) {  // angle from +X towards +Y as a fraction of a full turn, in [0, 1)
     const double u = std::atan2(y, x) / (2 * std::numbers::pi);
     return u < 0 ? u + 1 : u;
@@ -203,42 +214,36 @@ dvec2 local_uv(const AnalyticShape& shape, int part, const dvec3& p) {
     return {turn(p.x, p.y), p.z / shape.height};
 }
 
-LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& p) {
-    LocalGeometry out;
+dvec3 local_normal(const AnalyticShape& shape, int part, const dvec3& p) {
+    dvec3 normal(0);
     switch (shape.kind) {
         case AnalyticShape::Kind::sphere:
-            out.normal = glm::normalize(p);
-            out.shape_operator = tangential(out.normal);
-            break;
-        case AnalyticShape::Kind::box: {
-            const int axis = part / 2;
-            out.normal = dvec3(0);
-            out.normal[axis] = part % 2 == 0 ? -1 : 1;
-            break;
-        }
+            return glm::normalize(p);
+        case AnalyticShape::Kind::box:
+            normal[part / 2] = part % 2 == 0 ? -1 : 1;
+            return normal;
         case AnalyticShape::Kind::disc:
         case AnalyticShape::Kind::rectangle:
         case AnalyticShape::Kind::plane:
+            return {0, 0, 1};
+        case AnalyticShape::Kind::cone:
             break;
-        case AnalyticShape::Kind::cone: {
-            if (part != part_lateral) {
-                out.normal = dvec3(0, 0, part == part_base ? -1 : 1);
-                break;
-            }
-            const double k = (shape.radius1 - shape.radius0) / shape.height;
-            const double rho = std::max(std::hypot(p.x, p.y), std::numeric_limits<double>::min());
-            const double norm = std::sqrt(1 + k * k);
-            const dvec2 e(p.x / rho, p.y / rho);
-            out.normal = dvec3(e.x, e.y, -k) / norm;
-            // Derivative of the cone's normal: (I - e e^T) / (rho * norm). The unit vector e points away from
-            // the axis.
-            const double s = 1 / (rho * norm);
-            out.shape_operator =
-                dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));
-            break;
-        }
     }
-    return out;
+    if (part != part_lateral) return {0, 0, part == part_base ? -1 : 1};
+    const ConeAt at = cone_at(shape, p);
+    return dvec3(at.outward, -at.k) / at.norm;
+}
+
+dmat3 local_shape_operator(const AnalyticShape& shape, int part, const dvec3& p) {
+    if (shape.kind == AnalyticShape::Kind::sphere) return tangential(glm::normalize(p));
+    if (shape.kind != AnalyticShape::Kind::cone || part != part_lateral) return dmat3(0);
+    // The normal of a cone is constant along each line through the apex and changes only around the axis. The
+    // derivative of the unit vector e = (x, y) / rho that points away from the axis is (I - e e^T) / rho, and
+    // that of the normal is this matrix divided by `norm`.
+    const ConeAt at = cone_at(shape, p);
+    const dvec2 e = at.outward;
+    const double s = 1 / (at.rho * at.norm);
+    return {dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0)};
 }
 
 }  // namespace postlens

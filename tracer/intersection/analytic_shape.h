@@ -53,12 +53,10 @@ template <typename T>
 [[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o,
                                      const glm::vec<3, T>& d);
 
-/// Differential geometry at a point of the shape, in the local frame.
-struct LocalGeometry {
-    glm::dvec3 normal{0, 0, 1};    ///< unit, outward
-    glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for dP within the surface, 1/length
-};
-[[nodiscard]] LocalGeometry local_geometry(const AnalyticShape& shape, int part, const glm::dvec3& p);
+/// Returns the outward unit normal at a point of the shape, in the local frame.
+[[nodiscard]] glm::dvec3 local_normal(const AnalyticShape& shape, int part, const glm::dvec3& p);
+/// Returns the derivative of this normal, 1/length: dN = local_shape_operator * dP for dP within the surface.
+[[nodiscard]] glm::dmat3 local_shape_operator(const AnalyticShape& shape, int part, const glm::dvec3& p);
 /// Returns the surface coordinates (u, v) of a point of the shape, in the local frame.
 [[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
 

@@ -76,8 +76,8 @@ SurfacePoint RayScene::Impl::solved_surface(const Item& item, LocalHit hit, cons
     look_up_texture(item.shape, item.object_from_local, hit, s);
     if (!normals) return s;
     s.position = o + s.t * d;
-    const dvec3 local_normal = local_geometry(item.shape, s.part, hit.position()).normal;
-    s.geometric_normal = s.normal = glm::normalize(normal_to_world(local_normal));
+    s.geometric_normal = s.normal =
+        glm::normalize(normal_to_world(local_normal(item.shape, s.part, hit.position())));
     return s;
 }
 
@@ -184,9 +184,8 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));
-        const LocalGeometry g = local_geometry(item.shape, at.part, local);
-        return across * glm::transpose(linear) * g.shape_operator * linear /
-               glm::length(glm::transpose(linear) * g.normal);
+        return across * glm::transpose(linear) * local_shape_operator(item.shape, at.part, local) * linear /
+               glm::length(glm::transpose(linear) * local_normal(item.shape, at.part, local));
     }
     const TriangleFrame f = triangle(key, 0);
     if (f.mesh->mesh->normals.empty()) return dmat3(0);
