@@ -24,12 +24,17 @@ using namespace layout;
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
-    explicit PackedRow(int width, RecordChannels channels) : bytes(width, channels) {}
-    ScanlineBytes bytes;
-    Bytes packed_counts, packed_data;
-    ByteView counts, data;  ///< bytes for the file, compressed if that makes them smaller
+    Bytes counts, data;  ///< bytes for the file, compressed if that makes them smaller
     std::uint64_t data_bytes = 0;
     ScanlineFacts facts;
+};
+
+/// Buffers of one thread. Each row is packed in the same memory, which thus stays in the cache.
+struct RowPacker {
+    RowPacker(int width, RecordChannels channels) : bytes(width, channels) {}
+    ScanlineBytes bytes;
+    ChunkCodec codec;
+    Bytes packed;
 };
 
 ScanlineFacts facts_of(std::span<const Record> records) {
@@ -82,7 +87,8 @@ struct SampleFileWriter::Impl {
     std::optional<ScanlineFacts> last_facts;  ///< of row next_y - 1, not yet written
     std::vector<std::uint64_t> picture_checksums;
     std::vector<PackedRow> rows;
-    tbb::enumerable_thread_specific<ChunkCodec> codecs;
+    tbb::enumerable_thread_specific<RowPacker> packers{
+        [this] { return RowPacker(window.x_max + 1 - window.x_min, channels); }};
     bool finished = false;
 
     void check_band(const RecordBand& band) const;
@@ -132,13 +138,18 @@ void SampleFileWriter::Impl::pack_row(const RecordBand& band, int y, PackedRow& 
         fail(ExitCode::invalid_input, "{}: too many records in row {} (got {}; expected at most {})", name, y,
              count, largest_chunk_bytes / bytes_per_record(channels));
     }
-    row.bytes.pack(y, band.x_begin, offsets, records);
+    RowPacker& packer = packers.local();
+    ScanlineBytes& bytes = packer.bytes;
+    bytes.pack(y, band.x_begin, offsets, records);
     row.facts = facts_of(records.subspan(offsets.front(), count));
-    row.facts.checksum = row.bytes.checksum();
-    row.data_bytes = row.bytes.channel_data().size();
-    ChunkCodec& coder = codecs.local();
-    row.counts = coder.compress(codec, row.bytes.counts(), row.packed_counts);
-    row.data = coder.compress(codec, row.bytes.channel_data(), row.packed_data);
+    row.facts.checksum = bytes.checksum();
+    row.data_bytes = bytes.channel_data().size();
+    const auto compress = [&](ByteView raw, Bytes& to) {
+        const ByteView packed = packer.codec.compress(codec, raw, packer.packed);
+        to.assign(packed.begin(), packed.end());
+    };
+    compress(bytes.counts(), row.counts);
+    compress(bytes.channel_data(), row.data);
 }
 
 Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
@@ -189,14 +200,15 @@ void SampleFileWriter::Impl::end_instant() {
 void SampleFileWriter::Impl::write_picture_block(int block) {
     const int y_begin = block * rows_per_chunk(picture_codec);
     const int y_end = std::min(y_begin + rows_per_chunk(picture_codec), header.height);
-    Bytes packed;
     const Bytes planes = picture_planes(y_begin, y_end);
-    output->write_flat_chunk(picture_part, y_begin, codecs.local().compress(picture_codec, planes, packed));
+    RowPacker& packer = packers.local();
+    output->write_flat_chunk(picture_part, y_begin,
+                             packer.codec.compress(picture_codec, planes, packer.packed));
 }
 
 void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, int y_end) {
     const auto count = static_cast<std::size_t>(y_end - y_begin);
-    while (rows.size() < count) rows.emplace_back(band.width(), channels);
+    if (rows.size() < count) rows.resize(count);
     parallel_for(count, [&](std::size_t i) { pack_row(band, y_begin + static_cast<int>(i), rows[i]); });
     if (y_begin == band.y_begin && y_begin > window.y_min) {
         add_to_last_row(band, y_begin);

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/resize_to_overwrite.h"
 #include "core/threads.h"
 #include "records/record_check.h"
 
 namespace postlens {
 
-void CornerRecords::emit(const CornerGrid& grid, const std::vector<CornerSample>& samples,
+void CornerRecords::emit(const CornerGrid& grid, std::span<const CornerSample> samples,
                          const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out) {
     out.x_begin = grid.window.x_begin;
     out.x_end = grid.window.x_end + 1;
@@ -41,7 +42,7 @@ void CornerRecords::emit(const CornerGrid& grid, const std::vector<CornerSample>
     for (std::uint32_t i = 0; i < samples.size(); ++i) {
         if (samples[i].y < end) order[next[pixel_of(samples[i])]++] = i;
     }
-    out.records.resize(out.offsets.back());
+    resize_to_overwrite(out.records, out.offsets.back());
     parallel_for(
         pixels,
         [&](std::size_t p) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "records/record.h"
@@ -12,8 +13,8 @@ namespace postlens {
 
 class CornerRecords {
   public:
-    /// Writes the recorded surface points of pixel rows [y_begin, y_end) to `out`, one pixel after another.
-    void emit(const CornerGrid& grid, const std::vector<CornerSample>& samples,
+    /// Writes the records of pixel rows [y_begin, y_end), one pixel after the other.
+    void emit(const CornerGrid& grid, std::span<const CornerSample> samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 
   private:

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/resize_to_overwrite.h"
 #include "tracer/shading_trees/bend_around.h"
 #include "tracer/shading_trees/whitted_impl.h"
 
@@ -87,11 +88,11 @@ void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
     out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
     for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
-    out.records.resize(w.nodes.count);
+    resize_to_overwrite(out.records, w.nodes.count);
     const bool with_noisy = noisy(), only_records = !with_noisy && !has_sources && !has_arrivals;
-    out.noisy.resize(with_noisy ? w.nodes.count : 0);
-    out.sources.resize(has_sources ? w.nodes.count : 0);
-    out.arrivals.resize(has_arrivals ? w.nodes.count : 0);
+    resize_to_overwrite(out.noisy, with_noisy ? w.nodes.count : 0);
+    resize_to_overwrite(out.sources, has_sources ? w.nodes.count : 0);
+    resize_to_overwrite(out.arrivals, has_arrivals ? w.nodes.count : 0);
     std::vector<std::uint32_t>& next = w.order;
     next.assign(out.offsets.begin(), out.offsets.end() - 1);
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
