@@ -22,7 +22,15 @@ using glm::dvec3;
 
 }  // namespace
 
-void WhittedTracer::Impl::start(Workspace& w) const {
+WhittedTracer::Impl::Workspace& WhittedTracer::Impl::workspace(std::span<const glm::dvec2> positions) const {
+    thread_local Workspace w;
+    w.shadows.resize(lights.size());
+    w.shadow_rays.resize(lights.size());
+    w.positions = positions;
+    return w;
+}
+
+void WhittedTracer::Impl::start(Workspace& w, bool with_hidden) const {
     w.rays.count = w.nodes.count = w.differentials.count = w.bounces.count = 0;
     w.bent.clear();
     w.lobes.clear();
@@ -30,6 +38,7 @@ void WhittedTracer::Impl::start(Workspace& w) const {
     w.extents.clear();
     w.extent_nodes.clear();
     w.batch.clear(false);
+    w.eye_hits.resize(with_hidden ? w.positions.size() : 0);
     for (std::size_t i = 0; i < w.positions.size(); ++i) {
         const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
         PathRay& r = w.rays.add();
@@ -43,9 +52,14 @@ void WhittedTracer::Impl::start(Workspace& w) const {
         r.root_depth = 0;
         r.path = NodePath();
         w.batch.add(eye.origin, eye.direction, std::numeric_limits<float>::infinity());
+        if (w.eye_hits.empty()) continue;
+        FirstHit& first = w.eye_hits[i];
+        first.origin = eye.origin;
+        first.direction = eye.direction;
+        first.cos_axis = eye.cos_axis;
+        first.at = w.positions[i];
+        first.key = {};
     }
-    w.eye_hits.clear();
-    if (hidden.count > 0) w.eye_hits.resize(w.positions.size());
     w.chain_hits.clear();
     w.chain_rays.clear();
     w.chain_bounces.clear();
@@ -94,13 +108,15 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     } else {
         n.record.w = Mat2::isotropic(1 / n.record.z);
     }
-    const dvec3 colour = surface_colour(m, s);
-    n.radiance = own_radiance(scene, m, s, colour);
-    n.arrival.length = static_cast<float>(s.t);
-    n.source.texture = m.colour_texture ? m.colour_texture.get() : m.emission_texture.get();
-    if (n.source.texture != nullptr) n.source.place = n.source.texture->place(s.object_position, s.uv);
-    if (settings.parts != nullptr) n.source.part = settings.parts->part(s.object, key.primitive);
-    light(ray, s, f, key, m, colour, w, counts);
+    if (settings.lit) {
+        const dvec3 colour = surface_colour(m, s);
+        n.radiance = own_radiance(scene, m, s, colour);
+        n.arrival.length = static_cast<float>(s.t);
+        n.source.texture = m.colour_texture ? m.colour_texture.get() : m.emission_texture.get();
+        if (n.source.texture != nullptr) n.source.place = n.source.texture->place(s.object_position, s.uv);
+        if (settings.parts != nullptr) n.source.part = settings.parts->part(s.object, key.primitive);
+        light(ray, s, f, key, m, colour, w, counts);
+    }
     spawn(ray, s, f, key, m, w, counts);
 }
 
@@ -154,7 +170,7 @@ void WhittedTracer::Impl::child(const PathRay& parent, const SurfacePoint& s, co
 void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
                                 const Material& m, Workspace& w, RayCounts& counts) const {
     const int left = settings.max_depth - 1 - ray.path.depth();
-    if (left < 1) return;
+    if (left < 1 || !(m.reflects() || m.transmission != dvec3(0))) return;
     const auto worth = [&](const dvec3& throughput) {
         return largest(throughput) > 0 &&
                largest(throughput) * bound[static_cast<std::size_t>(left)] >= settings.min_contribution;
@@ -280,7 +296,7 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
                 w.eye_hits[ray.sample].key = key;
                 w.eye_hits[ray.sample].surface = surface;
             }
-        } else if (hidden.lens != nullptr && ray.layer == 0) {
+        } else if (hidden.lens != nullptr && !w.eye_hits.empty() && ray.layer == 0) {
             keep_chain(ray, surface, key, w);
         }
         hit(ray, surface, key, w, counts);
@@ -332,18 +348,25 @@ bool WhittedTracer::measures_bends() const {
 
 void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                           const std::function<SamplesAround(std::size_t)>& around) const {
-    thread_local Impl::Workspace w;
-    w.shadows.resize(impl_->lights.size());
-    w.shadow_rays.resize(impl_->lights.size());
-    w.positions = positions;
-    impl_->start(w);
-    counts.eye += w.positions.size();
+    Impl::Workspace& w = impl_->workspace(positions);
+    impl_->start(w, impl_->hidden.count > 0);
+    counts.eye += positions.size();
     while (w.rays.count > 0) impl_->generation(w, counts);
     if (!w.eye_hits.empty()) impl_->trace_hidden(w, counts);
     if (around && !w.bent.empty()) impl_->take_bends_around(w, around);
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
     if (!w.extents.empty()) impl_->average_extents(w, counts);
     if (!w.lobes.empty()) impl_->average_lobes(w, counts);  // needs the radiance of lights
+    impl_->collect(w, out);
+}
+
+void WhittedTracer::trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out,
+                                 RayCounts& counts) const {
+    Impl::Workspace& w = impl_->workspace(positions);
+    impl_->start(w, false);
+    counts.eye += positions.size();
+    while (w.rays.count > 0) impl_->generation(w, counts);
+    if (!w.extents.empty()) impl_->average_extents(w, counts);
     impl_->collect(w, out);
 }
 

@@ -27,7 +27,8 @@ struct WhittedSettings {
     /// Lens radius, m. For a glossy lobe wider than the lens, the mean radiance is recorded, and for a
     /// narrower lobe, the radiance from the exact direction. If 0, all lobes are averaged.
     double lens_radius_m = 0;
-    bool lit = true;                     ///< false to ignore lights, for callers that need only positions
+    /// False for callers that need only positions. Radiances are then undefined.
+    bool lit = true;
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
 };
 
@@ -99,8 +100,12 @@ class WhittedTracer {
     /// rays.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// An image's nonlinear motion over the lens, px, up to which it counts as small.
-    /// It is then estimated from nearby samples even if they differ.
+    /// Like `trace`, but only finds what decides whether a cell is subdivided: the visible surfaces and their
+    /// radiance without sampling noise. Hidden surfaces, `w_bend` and the means over lobes are left out.
+    void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
+    /// `w_bend` is the second-order motion of a node's image over the lens. If it displaces the images at
+    /// nearby samples by less than this value, px, for every lens point, bend_around estimates it from them
+    /// even if they differ.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -50,13 +50,6 @@ void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRa
 }
 
 void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
-    for (std::size_t i = 0; i < w.positions.size(); ++i) {
-        const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
-        w.eye_hits[i].origin = eye.origin;
-        w.eye_hits[i].direction = eye.direction;
-        w.eye_hits[i].cos_axis = eye.cos_axis;
-        w.eye_hits[i].at = w.positions[i];
-    }
     find_hidden_surfaces(rays, hidden, w.eye_hits, w.hidden, counts.hidden);
     begin_generation(w);
     w.next_layer.assign(w.positions.size(), 1);

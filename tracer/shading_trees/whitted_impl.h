@@ -115,7 +115,9 @@ struct WhittedTracer::Impl {
     bool has_sources = false, has_textures = false, has_arrivals = false;
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
-    void start(Workspace& w) const;
+    [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
+    // Adds the eye rays to the first generation. `with_hidden` states that hidden surfaces will be traced.
+    void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
