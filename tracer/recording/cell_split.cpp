@@ -1,13 +1,23 @@
 #include "tracer/recording/cell_split.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 namespace postlens {
+namespace {
+
+// Cells that share a corner may mark its record at the same time.
+void set_mark(Record& r, std::uint8_t mark) {
+    const std::atomic_ref<std::uint8_t> marks(r.mark);
+    if ((marks.load(std::memory_order_relaxed) & mark) == 0) marks.fetch_or(mark, std::memory_order_relaxed);
+}
+
+}  // namespace
 
 bool CellSplit::has_contrast(double lo, double hi) const {
-    return (hi - lo) / (hi + lo + 0.05) > settings_.threshold;
+    return hi > lo && (hi - lo) / (hi + lo + 0.05) > settings_.threshold;
 }
 
 bool CellSplit::differ(const CornerCell& c, const Seen* s, int count) const {
@@ -38,12 +48,13 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
     return false;
 }
 
-void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    // splits() divides every larger cell that an outline crosses.
+void CellSplit::mark_leaf(const CornerCell& c) const {
+    // splits() divides every larger cell that an outline crosses, so only cells of the smallest size need
+    // this test.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
-            marks.push_back({samples_[corner].chunk, samples_[corner].first, RecordMark::gap});
+            set_mark(chunks_[samples_[corner].chunk].records[samples_[corner].first], RecordMark::gap);
     }
     const bool parts = tracer_.has_parts() && ends_edges;
     bool textures = tracer_.has_textures() && !is_larger(c, settings_.colour_levels);
@@ -58,8 +69,8 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
     std::array<Seen, 4> seen;
     std::array<std::uint32_t, 4> at{};
     const auto mark = [&] {
-        if (textures) mark_textures(seen, marks);
-        if (parts) mark_parts(seen, marks);
+        if (textures) mark_textures(seen);
+        if (parts) mark_parts(seen);
     };
     for (std::size_t i = 0; i < 4; ++i) {
         const CornerSample& s = samples_[c.corner[i]];
@@ -75,30 +86,32 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
     }
 }
 
-void CellSplit::mark_parts(const std::array<Seen, 4>& s, Marks& marks) const {
+void CellSplit::mark_parts(const std::array<Seen, 4>& s) {
     for (const Seen& other : s) {
         if (other.id != s[0].id) return;
     }
     if (std::all_of(s.begin(), s.end(), [&](const Seen& other) { return other.part == s[0].part; })) return;
-    for (const Seen& corner : s)
-        marks.push_back(
-            {static_cast<std::uint32_t>(corner.chunk - chunks_.data()), corner.first, RecordMark::gap});
+    for (const Seen& corner : s) set_mark(corner.chunk->records[corner.first], RecordMark::gap);
 }
 
-void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const {
+void CellSplit::mark_textures(const std::array<Seen, 4>& s) const {
     for (std::uint32_t n = 0; n < s[0].count; ++n) {
         if (s[0].chunk->sources[s[0].first + n].texture == nullptr) continue;
         const auto node = nodes_like(s.data(), 4, n);
         if (!node || !texture_differs(s.data(), *node, 4)) continue;
         for (std::size_t i = 0; i < 4; ++i)
-            marks.push_back({static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), (*node)[i],
-                             RecordMark::fine_texture});
+            set_mark(s[i].chunk->records[(*node)[i]], RecordMark::fine_texture);
     }
 }
 
 std::optional<CellSplit::NodeOfEach> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
     NodeOfEach node{s[0].first + n};
     for (int i = 1; i < count; ++i) {
+        if (n == 0 && s[i].path == s[0].path) {  // the surfaces themselves, without a look at their records
+            if (s[i].id != s[0].id) return std::nullopt;
+            node[static_cast<std::size_t>(i)] = s[i].first;
+            continue;
+        }
         const auto found = node_like(s[0].chunk->records[node[0]], s[i], n);
         if (!found) return std::nullopt;
         node[static_cast<std::size_t>(i)] = *found;
@@ -141,6 +154,11 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     }
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
+    std::array<glm::dvec3, most_samples> texels;
+    for (int i = 0; i < count; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
+    }
     for (int channel = 0; channel < 3; ++channel) {
         // Models the radiance of a sample as plus + times * texel:
         // - texel: colour of the texture at the sample
@@ -150,7 +168,7 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {
             const auto k = static_cast<std::size_t>(i);
-            texel[k] = texture->colour_at(s[i].chunk->sources[node[k]].place)[channel];
+            texel[k] = texels[k][channel];
             if (texel[k] > 1e-6)
                 times = std::max(
                     times, static_cast<double>(steady_radiance(*s[i].chunk, node[k])[channel]) / texel[k]);
@@ -167,10 +185,12 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
 }
 
 CellSplit::Seen CellSplit::take_layer(const CornerSample& s, std::uint32_t& at) const {
-    const TracedSamples& chunk = chunks_[s.chunk];
+    TracedSamples& chunk = chunks_[s.chunk];
     const Record* r = chunk.records.data() + s.first;
     const std::uint32_t layer = r[at].layer;
-    Seen out{r[at].id, chunk.sources.empty() ? 0 : chunk.sources[s.first + at].part, {}, &chunk, s.first + at,
+    Seen out{r[at].id,   chunk.sources.empty() ? 0 : chunk.sources[s.first + at].part,
+             r[at].path, {},
+             &chunk,     s.first + at,
              0};
     for (; at < s.count && r[at].layer == layer; ++at) {
         const glm::vec3 c = steady_radiance(chunk, s.first + at);

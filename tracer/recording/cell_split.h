@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "tracer/recording/corner_grid.h"
@@ -22,7 +21,7 @@ class CellSplit {
     /// Keeps references to all arguments, of which `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
-              const std::vector<TracedSamples>& chunks)
+              std::vector<TracedSamples>& chunks)
         : tracer_(tracer),
           things_(things),
           settings_(settings),
@@ -34,23 +33,22 @@ class CellSplit {
     /// Returns true if the eye ray through the cell's centre sees something else than those at its corners.
     /// `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    struct Mark {
-        std::uint32_t chunk = 0, record = 0;
-        std::uint8_t mark = 0;
-    };
-    using Marks = std::vector<Mark>;
-    /// Marks the surface points at the corners of a cell that is not divided further:
-    /// - `fine_texture`: the texture varies between the corners, but `colour_levels` forbids division.
-    /// - `gap`: several parts of one object may lie in the cell, but `edge_levels` forbids division.
-    void mark_leaf(const CornerCell& c, Marks& marks) const;
+    /// Sets marks on the records at the corners of an undivided cell. `fine_texture`: the texture has
+    /// contrast between the corners. `gap`: the corners show several parts of one object, or the outline of
+    /// another part crosses the cell. A cell is marked only if `colour_levels` (`fine_texture`) or
+    /// `edge_levels`
+    /// (`gap`) forbids further division. Thread-safe.
+    void mark_leaf(const CornerCell& c) const;
 
   private:
-    /// The shading tree of one surface that an eye ray crosses. `rgb` is its radiance.
-    /// Its surface points are the records [first, first + count) of `chunk`, sorted by their bounces.
+    /// The shading tree of one visible or hidden surface of a sample. `id`, `part` and `path` are those of
+    /// the surface, and `rgb` is the radiance of the whole tree. The nodes are the records [first, first +
+    /// count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
+        NodePath path;
         std::array<float, 3> rgb{};
-        const TracedSamples* chunk = nullptr;
+        TracedSamples* chunk = nullptr;
         std::uint32_t first = 0, count = 0;
     };
     static constexpr int most_samples = 5;  ///< compared per cell, at its corners and its centre
@@ -62,9 +60,9 @@ class CellSplit {
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
     /// Returns true if a texture's or shadow's edge lies between cell corners of similar colours.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
-    void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
-    void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// Returns true if the cell is wider than 2^-levels px, so that a limit of `levels` allows its division.
+    void mark_textures(const std::array<Seen, 4>& s) const;
+    static void mark_parts(const std::array<Seen, 4>& s);
+    /// True if a limit of `levels` levels still allows the cell to be divided: it is wider than 2^-levels px.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
@@ -83,7 +81,7 @@ class CellSplit {
     /// Considers all colours in the bounding box of the samples' texture coordinates.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
-        return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
+        return {s.id, s.part, {}, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
     /// Returns the shading tree of the visible or hidden surface that begins at record `at` of the sample.
     /// Sets `at` to the index after its last record.
@@ -107,7 +105,7 @@ class CellSplit {
     const SubdivisionSettings& settings_;
     const CornerGrid& grid_;
     const std::vector<CornerSample>& samples_;
-    const std::vector<TracedSamples>& chunks_;
+    std::vector<TracedSamples>& chunks_;
 };
 
 }  // namespace postlens

@@ -58,6 +58,9 @@ struct CornerCell {
     std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
     std::array<std::uint32_t, 4>
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
+    /// Sample indices at the midpoints of the upper and left side, the centre, and the midpoints of the right
+    /// and lower side. Set only for a cell that is divided.
+    std::array<std::uint32_t, 5> between;
 };
 
 /// Returns the radiance of a record without its noisy part.

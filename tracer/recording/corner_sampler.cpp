@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -44,7 +46,8 @@ class BandSampler {
         const bool first = y_begin == grid_.window.y_begin, last = y_end == grid_.window.y_end;
         start_band(y_begin, y_end, first);
         refine(y_begin, y_end);
-        records_.emit(grid_, samples_, chunks_, y_begin, last ? y_end + 1 : y_end, out);
+        records_.emit(grid_, std::span(samples_).first(sample_count_), chunks_, y_begin,
+                      last ? y_end + 1 : y_end, out);
         if (!last) carry(y_end);
     }
 
@@ -57,23 +60,22 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of eye rays in parallel and appends their samples in order, with thread-safe functions:
-    // - `fill(i, keys)` writes the `sizes[i]` raster positions of batch i.
-    // - `traced(index, sample)` is called for every new sample.
-    // - `around(key)` returns earlier samples near a raster position.
+    // Traces batches of points in parallel and appends their samples in order. `fill(i, keys)` writes the
+    // `sizes[i]` points of batch i. `traced(index, sample)` is called for every new sample. `around(key)`
+    // returns earlier samples near a point. All three functions must be thread-safe. With
+    // `for_comparison`, the samples only serve to compare colours (WhittedTracer::trace_steady).
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
-               const std::function<SamplesAround(CornerKey)>& around = {}) {
+               const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
         const std::size_t first_chunk = used_chunks_, batches = sizes.size();
         used_chunks_ += batches;
         if (chunks_.size() < used_chunks_) chunks_.resize(used_chunks_);
         std::vector<std::uint32_t> first_sample(batches);
-        auto count = static_cast<std::uint32_t>(samples_.size());
         for (std::size_t i = 0; i < batches; ++i) {
-            first_sample[i] = count;
-            count += sizes[i];
+            first_sample[i] = sample_count_;
+            sample_count_ += sizes[i];
         }
-        samples_.resize(count);
+        if (samples_.size() < sample_count_) samples_.resize(sample_count_);
         std::vector<RayCounts> spent(batches);
         parallel_for(batches, [&](std::size_t i) {
             thread_local std::vector<CornerKey> keys;
@@ -84,8 +86,12 @@ class BandSampler {
             for (const CornerKey k : keys) positions.push_back(grid_.position(k));
             TracedSamples& chunk = chunks_[first_chunk + i];
             const auto near = [&](std::size_t at) { return around(keys[at]); };
-            tracer_.trace(positions, chunk, spent[i],
-                          around ? std::function<SamplesAround(std::size_t)>(near) : nullptr);
+            if (for_comparison) {
+                tracer_.trace_steady(positions, chunk, spent[i]);
+            } else {
+                tracer_.trace(positions, chunk, spent[i],
+                              around ? std::function<SamplesAround(std::size_t)>(near) : nullptr);
+            }
             for (std::uint32_t k = 0; k < sizes[i]; ++k) {
                 CornerSample& s = samples_[first_sample[i] + k];
                 s = summary(keys[k], chunk, static_cast<std::uint32_t>(first_chunk + i), k);
@@ -95,8 +101,9 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
-    void trace(const std::vector<CornerKey>& points,
-               const std::function<SamplesAround(CornerKey)>& around = {}) {
+    // Traces points and appends their samples in order.
+    void trace(const std::vector<CornerKey>& points, const std::function<SamplesAround(CornerKey)>& around,
+               bool for_comparison = false) {
         std::vector<std::uint32_t> sizes;
         for (std::size_t i = 0; i < points.size(); i += batch_size)
             sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, points.size() - i)));
@@ -105,7 +112,7 @@ class BandSampler {
             keys.assign(first, first + sizes[i]);
         };
         trace(
-            sizes, fill, [](std::uint32_t, const CornerSample&) {}, around);
+            sizes, fill, [](std::uint32_t, const CornerSample&) {}, around, for_comparison);
     }
 
     [[nodiscard]] static CornerSample summary(CornerKey k, const TracedSamples& chunk,
@@ -139,7 +146,7 @@ class BandSampler {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
         carried_over_.clear();
-        for (std::uint32_t i = 0; i < samples_.size(); ++i) place(i, y_begin);
+        for (std::uint32_t i = 0; i < sample_count_; ++i) place(i, y_begin);
 
         struct Tile {
             int x, y, x_end, y_end;
@@ -185,22 +192,20 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
+    // A point that must be traced, and the element of CornerCell::between that receives the index of its
+    // sample.
+    struct Missing {
+        CornerKey key;
+        std::uint32_t* sample;
+    };
 
     void refine(int y_begin, int y_end) {
-        marks_.assign(static_cast<std::size_t>(y_end - y_begin), {});
-        refine_cells(y_begin, y_end);
-        for (const auto& row : marks_) {
-            for (const CellSplit::Mark& m : row) chunks_[m.chunk].records[m.record].mark |= m.mark;
-        }
-    }
-
-    void refine_cells(int y_begin, int y_end) {
         CellRows cells = split_pixels(y_begin, y_end), next(cells.size());
         while (std::any_of(cells.begin(), cells.end(), [](const auto& row) { return !row.empty(); })) {
             trace_missing(cells, y_begin, y_end);
             parallel_for(cells.size(), [&](std::size_t row) {
                 next[row].clear();
-                for (const CornerCell& c : cells[row]) split(c, row, next[row]);
+                for (const CornerCell& c : cells[row]) split(c, next[row]);
             });
             cells.swap(next);
         }
@@ -210,7 +215,8 @@ class BandSampler {
         return {static_cast<std::uint32_t>(x) * grid_.unit,
                 grid_.row(y_begin + row),
                 grid_.unit,
-                {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
+                {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)},
+                {}};
     }
 
     // Returns the pixels to divide. Their left and right neighbours are included if the centre differs from
@@ -246,7 +252,7 @@ class BandSampler {
         parallel_for(cells.size(), [&](std::size_t r) {
             for (int x = 0; x < columns; ++x) {
                 if (!decided[r][static_cast<std::size_t>(x)])
-                    cells_.mark_leaf(pixel(x, static_cast<int>(r), y_begin), marks_[r]);
+                    cells_.mark_leaf(pixel(x, static_cast<int>(r), y_begin));
             }
         });
         return cells;
@@ -261,66 +267,71 @@ class BandSampler {
             for (const CornerCell& c : row)
                 centres.push_back(CornerGrid::key(c.x + c.size / 2, c.y + c.size / 2));
         }
-        const std::size_t samples = samples_.size(), chunks = used_chunks_;
-        trace(centres);
+        const std::uint32_t samples = sample_count_;
+        const std::size_t chunks = used_chunks_;
+        trace(centres, {}, true);
         parallel_for(cells.size(), [&](std::size_t r) {
             for (std::size_t k = 0; k < cells[r].size(); ++k) {
                 const CornerCell& c = cells[r][k];
                 if (cells_.centre_differs(c, static_cast<std::uint32_t>(samples + first_of_row[r] + k)))
                     divided[r].push_back(c);
                 else
-                    cells_.mark_leaf(c, marks_[r]);
+                    cells_.mark_leaf(c);
             }
         });
-        samples_.resize(samples);
+        sample_count_ = samples;
         used_chunks_ = chunks;
     }
 
-    // Traces the centre of every cell and the midpoints of its sides, each only once even if cells share it.
-    void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // One list of raster positions per row of pixels, and one for the lower edge of the last row.
-        // A position on the edge between two rows belongs to the lower row.
-        std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
+    // Traces the centre and the midpoints of the sides of every cell, and sets CornerCell::between. A
+    // midpoint that neighbouring cells or neighbouring bands of rows share is traced once.
+    void trace_missing(CellRows& cells, int y_begin, int y_end) {
+        // There is one list of points per row of pixels, and one for the lower edge of the band. A point on
+        // the edge between two rows belongs to the lower row.
+        std::vector<std::vector<Missing>> inside(cells.size() + 1), below(cells.size() + 1);
+        std::vector<std::size_t> first(cells.size() + 2, 0);  // per row, the index of its first point
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
-            for (const CornerCell& c : cells[row]) {
+            for (CornerCell& c : cells[row]) {
                 const std::uint32_t h = c.size / 2;
+                std::uint32_t* sample = c.between.data();
                 for (const auto& [dx, dy] : {std::pair{h, 0U}, {0U, h}, {h, h}, {c.size, h}, {h, c.size}}) {
                     const CornerKey k = CornerGrid::key(c.x + dx, c.y + dy);
-                    if (row == 0 && carried_over_.contains(k)) continue;
-                    (c.y + dy < end ? inside[row] : below[row + 1]).push_back(k);
+                    std::vector<Missing>& points = c.y + dy < end ? inside[row] : below[row + 1];
+                    const auto carried = row == 0 ? carried_over_.find(k) : carried_over_.end();
+                    if (carried == carried_over_.end()) {
+                        points.push_back({k, sample});
+                    } else {
+                        *sample = carried->second;
+                    }
+                    ++sample;
                 }
             }
         });
         parallel_for(inside.size(), [&](std::size_t row) {
-            std::vector<CornerKey>& keys = inside[row];
-            keys.insert(keys.end(), below[row].begin(), below[row].end());
-            std::sort(keys.begin(), keys.end());
-            keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+            std::vector<Missing>& points = inside[row];
+            points.insert(points.end(), below[row].begin(), below[row].end());
+            std::sort(points.begin(), points.end(),
+                      [](const Missing& a, const Missing& b) { return a.key < b.key; });
+            for (std::size_t i = 0; i < points.size(); ++i)
+                first[row + 1] += i == 0 || points[i].key != points[i - 1].key ? 1 : 0;
         });
-        wanted_.clear();
-        wanted_rows_.assign(1, 0);
-        for (const std::vector<CornerKey>& keys : inside) {
-            wanted_.insert(wanted_.end(), keys.begin(), keys.end());
-            wanted_rows_.push_back(wanted_.size());
-        }
-        first_wanted_ = static_cast<std::uint32_t>(samples_.size());
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        wanted_.resize(first.back());
+        const std::uint32_t first_sample = sample_count_;
+        parallel_for(inside.size(), [&](std::size_t row) {
+            std::size_t next = first[row];
+            for (const Missing& m : inside[row]) {
+                if (next == first[row] || wanted_[next - 1] != m.key) wanted_[next++] = m.key;
+                *m.sample = first_sample + static_cast<std::uint32_t>(next - 1);
+            }
+        });
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
-        for (const std::size_t r : {row, row + 1}) {
-            const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
-                       last = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r + 1]);
-            const auto found = std::lower_bound(first, last, k);
-            if (found != last && *found == k)
-                return first_wanted_ + static_cast<std::uint32_t>(found - wanted_.begin());
-        }
-        return carried_over_.at(k);
-    }
-
-    // Returns the samples at the corners of the pixel that contains a point.
-    // A point on the lower edge of the last row belongs to the pixel above, which is already traced.
+    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
+    // of the band of rows belongs to the pixel above it, because the corners of the pixel below are not
+    // traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -335,23 +346,19 @@ class BandSampler {
         return out;
     }
 
-    void split(const CornerCell& c, std::size_t row, std::vector<CornerCell>& next) {
+    void split(const CornerCell& c, std::vector<CornerCell>& next) {
         const std::uint32_t h = c.size / 2;
-        const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
-            return sample_at(CornerGrid::key(c.x + dx, c.y + dy), row);
-        };
-        const std::uint32_t top = at(h, 0), left = at(0, h), centre = at(h, h), right = at(c.size, h),
-                            bottom = at(h, c.size);
+        const auto [top, left, centre, right, bottom] = c.between;
         const std::array<CornerCell, 4> quarters{
-            CornerCell{c.x, c.y, h, {c.corner[0], top, left, centre}},
-            CornerCell{c.x + h, c.y, h, {top, c.corner[1], centre, right}},
-            CornerCell{c.x, c.y + h, h, {left, centre, c.corner[2], bottom}},
-            CornerCell{c.x + h, c.y + h, h, {centre, right, bottom, c.corner[3]}}};
+            CornerCell{c.x, c.y, h, {c.corner[0], top, left, centre}, {}},
+            CornerCell{c.x + h, c.y, h, {top, c.corner[1], centre, right}, {}},
+            CornerCell{c.x, c.y + h, h, {left, centre, c.corner[2], bottom}, {}},
+            CornerCell{c.x + h, c.y + h, h, {centre, right, bottom, c.corner[3]}, {}}};
         for (const CornerCell& q : quarters) {
             if (h > 1 && cells_.splits(q)) {
                 next.push_back(q);
             } else {
-                cells_.mark_leaf(q, marks_[row]);
+                cells_.mark_leaf(q);
             }
         }
     }
@@ -363,8 +370,9 @@ class BandSampler {
         carried_.noisy.clear();
         carried_.sources.clear();
         carried_.arrivals.clear();
-        std::size_t kept = 0;
-        for (CornerSample s : samples_) {
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < sample_count_; ++i) {
+            CornerSample s = samples_[i];
             if (s.y != edge) continue;
             const TracedSamples& chunk = chunks_[s.chunk];
             const auto at = static_cast<std::uint32_t>(carried_.records.size());
@@ -381,8 +389,9 @@ class BandSampler {
             s.first = at;
             samples_[kept++] = s;
         }
-        samples_.resize(kept);
-        // Reuses the buffers, because releasing and allocating them took longer than tracing.
+        sample_count_ = kept;
+        // The next band reuses the buffers of records, because releasing and allocating their memory took
+        // longer than tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -393,15 +402,12 @@ class BandSampler {
     std::vector<TracedSamples> chunks_;  ///< the first `used_chunks_` are in use
     std::size_t used_chunks_ = 0;
     TracedSamples carried_;
-    std::vector<CornerSample> samples_;
+    std::vector<CornerSample> samples_;  ///< the first `sample_count_` are in use
+    std::uint32_t sample_count_ = 0;
     std::vector<std::uint32_t> corners_;
     std::unordered_map<CornerKey, std::uint32_t>
-        carried_over_;  ///< samples of the band above that are not pixel corners
-    // Raster positions of the samples that trace_missing traced last, sorted within each row of pixels.
-    std::vector<CornerKey> wanted_;
-    std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
-    std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
-    std::vector<CellSplit::Marks> marks_;
+        carried_over_;               ///< samples of the band above that are not pixel corners
+    std::vector<CornerKey> wanted_;  ///< points that trace_missing traces, sorted within each row of pixels
     CellSplit cells_;
     CornerRecords records_;
 };
