@@ -86,6 +86,22 @@ TEST(HiddenLayers, AreTheSurfacesThatARayEnters) {
     expect_surfaces(trace_at(b.scene, {63, 5}, {16}), {{0, 2, 6}, {1, 3, 8}, {2, 0, nothing}});
 }
 
+TEST(HiddenLayers, AreLeftOutOfSamplesThatOnlyServeToCompareColours) {
+    const SceneBuilder b = walls_and_ball();
+    const RayScene rays(b.scene, b.scene.time_s);
+    const CameraModel camera(b.scene.cameras.at(0), b.scene.time_s);
+    const WhittedTracer tracer(rays, camera, {}, {.count = 4});
+    const std::vector<dvec2> positions{centre, {48, 24}, {63, 5}};
+    TracedSamples all, steady;
+    RayCounts counts;
+    tracer.trace_steady(positions, steady, counts);
+    EXPECT_EQ(counts.hidden, 0U);
+    tracer.trace(positions, all, counts);
+    EXPECT_GT(counts.hidden, 0U);
+    std::erase_if(all.records, [](const Record& r) { return r.layer > 0; });
+    EXPECT_EQ(steady.records, all.records);
+}
+
 TEST(HiddenLayers, NothingIsRecordedOnce) {
     SceneBuilder b;
     expect_surfaces(trace_at(b.scene, centre, {5}), {{0, 0, nothing}});

@@ -100,7 +100,7 @@ TEST(MinMaxPyramid, HintsChangeNoAnswer) {
     std::mt19937 random(2);
     std::uniform_real_distribution<double> share(0, 1);
     MinMaxPyramid::Hint hint;
-    int used = 0;
+    int used = 0, enough = 0;
     for (const auto& [width, height] : {std::pair{64, 64}, {1, 9}, {40, 33}, {100, 5}}) {
         const Raster r = raster_of(random, width, height);
         const MinMaxPyramid pyramid(r.x_begin, r.y_begin, width, height, r.values);
@@ -118,12 +118,16 @@ TEST(MinMaxPyramid, HintsChangeNoAnswer) {
             cone.at += glm::dvec2(share(random) - 0.5, share(random) - 0.5);
             const MinMaxPyramid::Hint before = hint;
             const bool coarse = share(random) < 0.5;
+            const bool shown = coarse ? pyramid.hint_maybe_in(cone, hint) : pyramid.hint_in(cone, hint);
             const bool got = coarse ? pyramid.maybe_any_in(cone, hint) : pyramid.any_in(cone, hint);
             ASSERT_EQ(got, coarse ? pyramid.maybe_any_in(cone) : pyramid.any_in(cone)) << n;
+            ASSERT_TRUE(got || !shown) << n;
+            enough += shown ? 1 : 0;
             used += got && before.level == hint.level && before.x == hint.x && before.y == hint.y ? 1 : 0;
         }
     }
     EXPECT_GT(used, 500);
+    EXPECT_GT(enough, 500);
 }
 
 TEST(MinMaxPyramid, NothingIsInARasterOfHoles) {
