@@ -79,8 +79,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // outline() has the same area as the circle, so its corners lie outside the circle. They exceed it by
-        // less than 1.5 % for tolerances up to 0.02 lens radii.
+        // The polygon has the area of the circle that it approximates, so its corners lie outside the circle,
+        // by less than 1.5 % for tolerances up to 0.02 lens radii.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -131,7 +131,8 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
 // Returns the fraction of the unit disc inside the vignetting rim. The rim is projected onto the lens.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
-    // The projected rim is a circle of radius r at distance d from the disc's centre.
+    // The vignetting rim, projected onto the lens, is a circle of radius r. Its centre is at distance d from
+    // the lens's centre, in lens radii.
     const double r = 1 / rim_scale;
     const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
     if (d >= 1 + r) return 0;

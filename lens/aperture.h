@@ -38,7 +38,7 @@ struct AperturePicture {
 ///   side.
 class Aperture {
   public:
-    /// Makes a disc, a polygon, or the aperture of the given image.
+    /// Makes a disc, a polygon, or an aperture whose shape and transmittance the image gives.
     ///
     /// Throws Error(wrong_arguments) if check_impulse rejects the settings. Throws Error(invalid_input) if
     /// the image transmits no light.
@@ -46,8 +46,8 @@ class Aperture {
 
     /// Returns true for the unit disc without any modifier.
     [[nodiscard]] bool is_round() const;
-    /// Returns true if the aperture is symmetric about its centre. Foreground and background bokeh of equal
-    /// size then look the same.
+    /// Returns true if foreground and background blur of equal size look the same, because the aperture is
+    /// symmetric about its centre.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
@@ -57,19 +57,21 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline of the aperture as seen from a field position, in lens radii. It is a polygon
-    /// within `tolerance` of the true curve, and empty if no light passes.
+    /// Returns the outline of the light that passes the aperture, with cat's-eye vignetting at image position
+    /// `field`. It is a polygon in lens radii, within `tolerance` of the true curve, and empty if no light
+    /// passes.
     ///
     /// Not available for aperture images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the vignetting rim, projected onto the lens, in lens radii. If rim_scale is below 0.05,
-    /// returns a square that blocks no light.
+    /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
+    /// radii. If rim_scale is below 0.05, returns a square that blocks no light.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if light through point q of the aperture passes the vignetting rim.
+    /// Returns true if cat's-eye vignetting at image position `field` does not block light through point q of
+    /// the aperture.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the vignetting rim. It is exact for the disc.
-    /// For other shapes, its error is about 1e-3 at distant scene points.
+    /// Returns the fraction of the aperture's light that cat's-eye vignetting leaves at image position
+    /// `field`. It is exact for a disc; for other shapes, its error is about 1e-3 at distant scene points.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted
@@ -89,7 +91,8 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Number of intervals of the transmission table along each field axis. Each axis covers [-1, 1].
+    /// Number of intervals per axis of the table of cat's-eye transmission, over image positions from -1 to
+    /// 1.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

@@ -32,7 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // Enlarges the reach slightly. Otherwise rounding might exclude a corner that lies on a pixel border.
+    // Enlarges the response's radius slightly: rounding might exclude a corner of the outline that lies on a
+    // pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -81,8 +82,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // Returns the corner of a coarse cell. Cells of the last column and row end at the image's border, so
-    // they can be smaller.
+    // Returns a cell's corner, in lens radii. Cells of the last column and row end at the aperture image's
+    // border, so they can be smaller.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -148,8 +149,8 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            // Each cell becomes two triangles. Spherical aberration can fold a quadrilateral's image, but not
-            // a triangle's.
+            // Splits each cell of the aperture into two triangles. Spherical aberration can fold the image of
+            // a quadrilateral, but not that of a triangle.
             const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
@@ -189,12 +190,12 @@ double rim_of(const Aperture& aperture) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Light through the lens at radius rho lands |R rho + S rho^3| px from the point's image. R is
-    // `radius_px`, and S is `spherical_px`.
+    // Light through the lens at rho lens radii from its centre lands |R rho + S rho^3| px from the point's
+    // image, with R = `radius_px` and S = `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Light through the rim usually lands farthest. The exception is a local maximum inside the rim, where R
-    // + 3 S rho^2 = 0.
+    // Light through the rim of the lens lands farthest, unless spherical aberration of the opposite sign
+    // moves light through an inner zone of the lens farther.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -203,8 +204,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye, the outline varies over the image, but a region's pixels share one response. More
-    // precision than 0.02 px would be useless there.
+    // With cat's-eye vignetting, neighbouring pixels share one blur kernel although the outline varies over
+    // the image. More precision than 0.02 px would be useless.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

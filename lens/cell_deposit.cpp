@@ -18,8 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // Measures from the first corner, so that small polygons far from the grid's origin keep a precise
-        // area.
+        // Measures from the polygon's first corner. Otherwise rounding would falsify the area of small
+        // polygons far from the grid's origin.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -45,7 +45,6 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
     const dvec2 top = a.y < b.y ? a : b, bottom = a.y < b.y ? b : a;
-    // A horizontal side bounds no area. This includes sides that rounding makes horizontal.
     if (!(bottom.y > top.y)) return;
     const double slope = (bottom.x - top.x) / (bottom.y - top.y);
     const double x_low = std::min(a.x, b.x), x_high = std::max(a.x, b.x);
@@ -65,8 +64,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // Left of column 0, the area to the right of the side includes the whole row. So after[0] gets this
-        // energy.
+        // This part of the polygon's side lies left of the grid. The whole row is to its right, so its energy
+        // counts from column 0 on.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
@@ -93,7 +92,8 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // Where positive and negative contributions cancel, rounding may leave a small negative value.
+            // Rounding can leave a small negative energy where the contributions of a polygon's left and
+            // right sides cancel.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

@@ -13,9 +13,11 @@ class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Spreads the energy uniformly over a convex polygon. Corners are in px relative to the grid's anchor.
+    /// Spreads energy uniformly over the pixels that a convex polygon covers. Corners are in px, in the
+    /// grid's coordinates.
     ///
-    /// A polygon below 1e-5 px^2 is divided among the pixels of its centre and of the midpoints of its sides.
+    /// The energy of a polygon below 1e-5 px^2 is divided among the pixels at its centre and at the midpoints
+    /// of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();

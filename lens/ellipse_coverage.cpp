@@ -10,12 +10,12 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // Elements of the matrix M M^T. Its eigenvalues are the squared semi-axes.
+    // Elements of the symmetric matrix M M^T, whose eigenvalues are the squared semi-axes of the ellipse.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // std::sqrt is five times as fast as std::hypot. Squared lengths in px cannot overflow here.
+    // std::sqrt is five times as fast as std::hypot, and squared lengths in px cannot overflow here.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
     const double smallest_squared = smallest_px * smallest_px;
@@ -23,7 +23,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Lengthens only the minor axis. a is the unit vector along the major axis:
+        // Lengthens only the ellipse's minor axis. `minor` and `major` are its squared semi-axes, and a is
+        // the unit vector along the major axis:
         //
         //     M M^T = minor I + (major - minor) a a^T
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
@@ -76,7 +77,7 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A very flat ellipse occupies one row, even if rounding makes its height 0.
+    // A very flat ellipse covers one row of pixels, even if rounding makes its height 0.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -94,7 +95,8 @@ double EllipseRows::right_edge(double t) const {
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // The ellipse's outline crosses the line at two heights t, where H is the half height:
+    // The vertical line at x crosses the ellipse's outline at two heights t. With k = shear, s = half the
+    // chord through the centre, and H = half the height:
     //
     //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
@@ -144,8 +146,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // Finds the left and right ends of the ellipse in this row. Each end lies on a border of the row, unless
-    // the ellipse's extreme point is in this row.
+    // Finds the ellipse's leftmost and rightmost points in this row of pixels. They lie on the row's borders,
+    // unless an extreme point of the whole ellipse is in this row.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));
@@ -168,8 +170,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // A pixel's value is the difference of the areas to the left of its two borders. A row's values therefore
-    // add up to its area, without accumulated rounding errors.
+    // The covered area of a pixel is the difference of the ellipse's areas left of its two borders. So the
+    // pixels of a row add up to its area without rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

@@ -17,8 +17,8 @@ struct Ellipse {
     double half_chord = 0;   ///< > 0, half the chord through the centre
     double shear = 0;
     [[nodiscard]] static Ellipse disc(double radius_px) { return {radius_px, radius_px, 0}; }
-    /// Makes the image of the unit disc under M. Semi-axes shorter than `smallest_px` are lengthened, so that
-    /// the ellipse has an area.
+    /// Returns the ellipse onto which the matrix `m` maps the unit disc. Semi-axes shorter than `smallest_px`
+    /// are lengthened, so that the ellipse has an area.
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
     [[nodiscard]] double area_px2() const;
@@ -46,7 +46,8 @@ struct CoverageRow {
 /// - The other pixels in [x_begin, x_end) have values of their own.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
-    /// Values of the pixels [x_begin, inner_begin), followed by those of [inner_end, x_end).
+    /// Coverage of the partly covered pixels: those of [x_begin, inner_begin), then those of [inner_end,
+    /// x_end).
     std::vector<double> edge_share;
 };
 
@@ -61,7 +62,8 @@ class EllipseRows {
     [[nodiscard]] int y_end() const { return y_end_; }
     /// Returns the value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes row y, where y_begin() <= y < y_end(). Reuses the memory of `out`.
+    /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
+    /// `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

@@ -46,7 +46,8 @@ Outline blades_outline(int blades, double rotation_deg, double roundness, double
             out.push_back(centre_of_side - half_side * along);
             continue;
         }
-        // Replaces the side by an arc through its corners. The sagitta is the arc's height above the side.
+        // Replaces a side of the polygon by a circular arc through its corners. The sagitta is the arc's
+        // height above the side.
         const double radius = (half_side * half_side + sagitta * sagitta) / (2 * sagitta);
         const double half_angle = std::asin(std::min(1.0, half_side / radius));
         const int n = chords_for(2 * half_angle, radius, tolerance);

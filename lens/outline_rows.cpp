@@ -16,15 +16,16 @@ struct Piece {
 
 /// Returns the fraction of the pixel [x, x + 1) to the right of the piece, averaged over the piece's height.
 double right_of(const Piece& p, double x) {
-    // The fraction to the right of a line at x = `at` is clamp(x + 1 - at, 0, 1). `integral` is its
-    // antiderivative.
+    // The fraction of a pixel to the right of a vertical line at x = `at` is clamp(x + 1 - at, 0, 1).
+    // `integral` is its antiderivative.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // Almost vertical pieces use the value at the midpoint, because the mean would divide by nearly 0.
+    // For an almost vertical piece of the outline, the mean over its width would divide by nearly 0. Uses the
+    // value at its midpoint instead.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -44,8 +45,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // Corners are in clockwise order, with y pointing down. So a side that runs upwards is on the
-        // polygon's left, and gets +1.
+        // Corners are in clockwise order as seen with y pointing down. So a side that runs upwards is on the
+        // polygon's left, and gets the sign +1.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -109,7 +110,8 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // Computes the partly covered pixels at both ends of the row. Each side adds the area to its right.
+    // Computes the partly covered pixels at both ends of the row. Their coverage is the sum of the signed
+    // areas to the right of the polygon's sides.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

@@ -13,7 +13,7 @@ namespace postlens {
 /// Completely covered pixels are not visited, so the time depends only on the length of the outline.
 class OutlineRows {
   public:
-    /// `outline` is in px, in either orientation. Its area must be at least 1e-12 px^2.
+    /// `outline` is a polygon in px, clockwise or anticlockwise, with an area of at least 1e-12 px^2.
     explicit OutlineRows(Outline outline);
 
     /// The polygon touches the rows y_begin() <= y < y_end().
@@ -21,12 +21,13 @@ class OutlineRows {
     [[nodiscard]] int y_end() const { return y_end_; }
     /// Returns the value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes row y, where y_begin() <= y < y_end(). Reuses the memory of `out`.
+    /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
+    /// `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. `sign` is +1 for the polygon's left sides, which add the area to their right,
-    /// and -1 for its right sides.
+    /// A side of the polygon. The areas to the right of its left sides (`sign` +1), minus those of its right
+    /// sides (-1), give the polygon's area.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

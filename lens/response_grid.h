@@ -9,8 +9,8 @@ namespace postlens {
 /// An impulse response: the energy of a point light source in each pixel of a rectangle. Values add up to 1,
 /// unless light is lost.
 struct ResponseGrid {
-    /// Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), with y down.
-    /// Coordinates are in px from the anchor, an integer raster position.
+    /// Corner of the top left pixel, in px with y down, relative to the integer raster position at which the
+    /// response is placed.
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;
     std::vector<double> share;  ///< row by row, width * height

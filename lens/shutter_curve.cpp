@@ -119,8 +119,8 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Finds the time x after knot a at which the light has grown by `missing`. The density is linear between
-    // knots:
+    // Finds the time x after a point `a` of the curve at which `missing` more light has passed. The
+    // transmittance (density) is linear between points:
     //
     //     a.density x + (b.density - a.density) x^2 / (2 width) = missing
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);

@@ -17,7 +17,8 @@ class ShutterCurve {
     [[nodiscard]] static ShutterCurve box();
     /// Rises linearly to the middle of the exposure, then falls linearly.
     [[nodiscard]] static ShutterCurve triangle();
-    /// Interpolates linearly between points (time, transmittance), from opening to closing.
+    /// Makes a curve by linear interpolation between points (time, transmittance), from the opening of the
+    /// shutter to its closing.
     ///
     /// Throws Error(invalid_input), with a message that begins with `source`, unless there are two points or
     /// more, times increase, and transmittances are finite, not negative and not all 0.
@@ -29,13 +30,13 @@ class ShutterCurve {
     /// Throws Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);
 
-    /// Returns the time, 0 to 1, by which the fraction u of the light has passed. A uniform random u gives
-    /// times distributed by the transmittance.
+    /// Returns the time (0: shutter opens, 1: closes) by which the fraction u of the exposure's light has
+    /// passed. Uniform random u give times distributed by the transmittance.
     [[nodiscard]] double time(double u) const;
-    /// Returns the fraction of the light that has arrived at a time. It is the inverse of `time`: 0 before
-    /// opening, 1 after closing.
+    /// Returns the fraction of the exposure's light that has passed the shutter by a time. It is the inverse
+    /// of `time`: 0 before opening, 1 after closing.
     [[nodiscard]] double light(double time) const;
-    /// Returns the transmittance at a time, scaled such that its integral is 1.
+    /// Returns the shutter's transmittance at a time, scaled such that its integral is 1.
     [[nodiscard]] double density(double time) const;
     /// Hash of the curve.
     [[nodiscard]] std::uint64_t fingerprint() const;

@@ -20,7 +20,8 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], divided by z s so that z and s may be infinite.
+    // Circle of confusion F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], rearranged so that the depth z
+    // and the focus distance s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }

@@ -23,7 +23,8 @@ SharpLens solve(double focal_length_mm, double s_m, const SharpRangeRequest& req
                  stretch = 1 / (1 - F_m / s_m);  // V/F, V: film distance
     lens.f_number =
         std::max(focal_length_mm * F_m * inverse_range / (2 * request.coc_limit_mm) * stretch, fastest);
-    // The Airy disc's diameter is 2.44 lambda V / D, with film distance V and aperture diameter D.
+    // The Airy disc's diameter is 2.44 lambda V / D, with wavelength lambda, film distance V and aperture
+    // diameter D.
     constexpr double airy_per_wave = 2.4393397823, mm_per_nm = 1e-6;
     lens.largest_f_number =
         request.coc_limit_mm / (airy_per_wave * request.wavelength_nm * mm_per_nm * stretch);

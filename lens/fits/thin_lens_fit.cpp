@@ -48,10 +48,11 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
-    // Tries every division of the points into those behind and in front of the focus. Keeps the line with the
-    // smallest error.
+    // Tries every division of the measurements into those behind and those in front of the focus. Keeps the
+    // line with the smallest error.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // With a negative sign in front of the focus, c becomes linear in the inverse depth: c = K (q - x).
+        // If circles of confusion in front of the focus count as negative, they are linear in the inverse
+        // distance x: c = K (q - x), with inverse focus distance q.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -106,7 +107,8 @@ double condition_of(const std::vector<std::array<double, 3>>& rows, const std::v
         }
     }
     for (Eigen::Index k = 0; k < J.cols(); ++k) {
-        // Columns are scaled to length 1, so that the parameters' units do not matter.
+        // Scales the Jacobian's columns to length 1, so that the condition number does not depend on the
+        // parameters' units.
         const double norm = J.col(k).norm();
         if (norm > 0) J.col(k) /= norm;
     }
@@ -126,8 +128,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // The data determine only K = F^2 / (n (1 - F q)) and q. So a known focal length F determines the
-    // f-number n, and vice versa.
+    // Circles of confusion determine only K = F^2 / (n (1 - F q)) and the inverse focus distance q. So a
+    // known focal length F determines the f-number n, and vice versa.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;

@@ -7,8 +7,8 @@
 namespace postlens {
 
 int bessel_last_order(double v) {
-    // For n > v, J_n(v) decreases like the Airy function Ai(x) with x = 2^(1/3) (n - v) / v^(1/3). Here x is
-    // at least 15, and Ai(15) is 5e-19.
+    // Above this order n, the Bessel function J_n(v) is negligible: it falls like the Airy function
+    // Ai(2^(1/3) (n - v) / v^(1/3)), and Ai(15) is 5e-19.
     return static_cast<int>(v + 12 * std::cbrt(v)) + 30;
 }
 
@@ -19,7 +19,8 @@ std::vector<double> bessel_orders(double v) {
         j[0] = 1;
         return j;
     }
-    // For tiny v, the downward recurrence would overflow. Below 1e-3, two terms of the power series suffice.
+    // For tiny v, the downward recurrence of Bessel functions would overflow. Below 1e-3, two terms of the
+    // power series suffice.
     if (v < 1e-3) {
         double term = 1;
         for (int n = 0; n <= last; ++n) {
@@ -28,7 +29,8 @@ std::vector<double> bessel_orders(double v) {
         }
         return j;
     }
-    // Downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2 J_4 + .. = 1.
+    // Downward recurrence of Bessel functions, J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2
+    // J_4 + .. = 1.
     double above = 0, here = 1e-250, sum = 0;
     for (int n = last; n >= 0; --n) {
         j[static_cast<std::size_t>(n)] = here;

@@ -36,7 +36,7 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Signs alternate in pairs: terms 2 and 3 are subtracted, 4 and 5 are added.
+    // Signs of the series alternate in pairs: terms 2 and 3 are subtracted, 4 and 5 are added.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -103,8 +103,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first points use the slow lommel_intensity. The series would divide by zero (v = 0) or lose
-    // precision (small u and v <= u).
+    // The series divides by zero at v = 0, and loses precision if u is small and v <= u. The slow
+    // lommel_intensity computes these samples.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

@@ -17,16 +17,16 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
 /// distance `x` from the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // Below this |x|, the flow is negligible. It is proportional to x, because L is proportional to r^2 near
-    // the centre.
+    // Below this distance |x| from the centre, the flow of energy is negligible, because it is proportional
+    // to x.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // The flow is the integral of L x / (2 pi r^2) over y, where L is the energy within radius r. With y = x
-    // sinh t, it becomes the integral of L / (2 pi cosh t) over t.
+    // Energy flow through a pixel border: the integral of L x / (2 pi r^2) over y, with the energy L within
+    // radius r. Substituting y = x sinh t gives the integral of L / (2 pi cosh t) over t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // Each panel spans at most 6 units of the optical radius v, so its 16 nodes resolve the fringes. Beyond
-    // 64 panels the fringes need not be resolved.
+    // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
+    // fringes. If 64 panels do not suffice, the fringes need not be resolved.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -86,8 +86,8 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // Along a border, the flow per px depends only on the radius r. Two-point Gauss quadrature integrates
-        // it.
+        // Integrates the energy flow along a pixel border by two-point Gauss quadrature, with values from a
+        // table over the radius.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -118,14 +118,14 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // Skips borders beyond the grid, for which the flow is not tabulated.
+                // Skips pixel borders outside the grid, which the table of energy flow does not cover.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
         });
     }
-    /// Returns the energy that flows along x through the border from (x, y0) to (x, y0 + 1). A pixel's energy
-    /// is the sum of its outflows (divergence theorem).
+    /// Returns the energy flow along x through the pixel border from (x, y0) to (x, y0 + 1). The net outflow
+    /// gives a pixel's energy (divergence theorem).
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -149,8 +149,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The flow is computed in a square around the grid, so the profile must reach its corners, and at least
-    // near_px. The averaging of fringes needs 4 smoothing_px more.
+    // The energy flow is computed in a square around the grid, so the profile must reach the square's
+    // corners. Averaging diffraction fringes needs 4 smoothing_px more.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

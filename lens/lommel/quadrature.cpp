@@ -10,7 +10,8 @@ std::array<GaussNode, 16> make_nodes() {
     constexpr int n = 16;
     std::array<GaussNode, n> nodes;
     for (int i = 0; i < n; ++i) {
-        // Estimate of the i-th root [abramowitz1972, 22.16.6], from which Newton's method converges.
+        // Estimates the i-th root of the Legendre polynomial [abramowitz1972, 22.16.6], from which Newton's
+        // method converges.
         double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5));
         double slope = 0;
         for (int step = 0; step < 6; ++step) {

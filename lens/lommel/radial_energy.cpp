@@ -19,8 +19,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small defocus |u|, a few fringes hold all energy and need fine steps. At large |u|, each fringe
-    // holds at most 1/u of it.
+    // At small defocus |u|, a few diffraction fringes hold all energy and need fine steps. At large |u|, each
+    // fringe holds at most 1/|u| of the energy.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -39,7 +39,8 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // dE/dv = I v / 2 is an odd function of v, which gives its values at negative v.
+    // Slope of the encircled energy E, dE/dv = I v / 2, with intensity I at optical radius v. It is an odd
+    // function, so negative v need no table.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;
@@ -74,7 +75,8 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates the cubic Hermite polynomial of `within`, which is w0 at the step's beginning, from 0 to t:
+    // Integrates, from 0 to t, the cubic Hermite polynomial that interpolates the encircled energy in this
+    // step; w0 is the energy at the beginning:
     //
     //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3
     return within_sum_[i] + step_ * t *

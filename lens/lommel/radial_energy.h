@@ -12,13 +12,13 @@ namespace postlens {
 /// steps resolve every fringe. A ring of width dv contains the energy I(u, v) v dv / 2, in total 1.
 class RadialEnergy {
   public:
-    /// Returns the step of v in a table for defocus u: 1/8 or 1/2.
+    /// Returns the step of the optical radius v in a table for defocus u: 1/8 or 1/2.
     [[nodiscard]] static double step_for(double u);
-    /// Returns the number of entries that a BesselGrid needs for a table up to v_end.
+    /// Returns the number of Bessel function values that a table up to optical radius v_end needs.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// Computes the table up to v_end. `grid` needs the step `step_for(u)` and at least
-    /// `grid_count(step_for(u), v_end)` entries.
+    /// Computes the encircled energy up to the optical radius v_end. `grid` needs the step `step_for(u)` and
+    /// at least `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Makes its own tables of Bessel functions.
@@ -27,10 +27,10 @@ class RadialEnergy {
     [[nodiscard]] double u() const { return u_; }
     [[nodiscard]] double v_end() const { return step_ * static_cast<double>(within_.size() - 1); }
 
-    /// Returns the fraction of the energy within radius v <= v_end. The error is below 2e-7.
+    /// Returns the fraction of the energy within optical radius v <= v_end. The error is below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of `within` from 0 to v. Differences of it give means, which average out narrow
-    /// fringes.
+    /// Returns the integral of the encircled energy `within` from 0 to v. Its differences give means over
+    /// intervals, without narrow diffraction fringes.
     [[nodiscard]] double within_integral(double v) const;
     /// I(u, v) at v = i step(); I(0, 0) is 1.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }

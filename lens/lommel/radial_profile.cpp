@@ -35,8 +35,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Estimates `within` from its means over three adjacent intervals of width w, which average out
-        // narrower fringes. The weights -1/24, 26/24, -1/24 are exact for cubics.
+        // Estimates the encircled energy from its means over three adjacent intervals of width w, without
+        // narrower fringes. The weights (-1, 26, -1) / 24 are exact for cubics.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -45,8 +45,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // The three intervals of smoothed_within end half a width and three half widths away, in steps of the
-    // row.
+    // Fringes are averaged over three adjacent intervals, whose ends lie 1/2 and 3/2 widths from the radius.
+    // These distances are whole numbers of steps.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {
@@ -73,8 +73,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A ring has the area 2 pi r dr and the energy I v dv / 2, with v = r v_per_px. The ratio is I v_per_px^2
-    // / (4 pi).
+    // Energy per px^2 of a thin ring: the energy I v dv / 2, divided by the area 2 pi r dr, is I v_per_px^2 /
+    // (4 pi), because v = r v_per_px.
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

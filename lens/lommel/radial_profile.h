@@ -22,14 +22,14 @@ class RadialProfile {
     /// Largest v_per_px of all parts.
     [[nodiscard]] double v_per_px() const;
 
-    /// Returns the fraction of the energy within a radius between 0 and end_px().
+    /// Returns the fraction of the energy within a radius from 0 to end_px(), in px.
     [[nodiscard]] double within(double radius_px) const;
-    /// Returns `within`, averaged over fringes finer than `width_px`, with an error of fourth order in
-    /// `width_px`.
+    /// Returns the energy within a radius, with diffraction fringes finer than `width_px` averaged out. The
+    /// error is of fourth order in `width_px`.
     ///
     /// The radius must be at least 3/2 widths from 0 and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns `smoothed_within` at `count` radii: begin_px, begin_px + width_px / row_steps, .. This is
+    /// Returns `smoothed_within` at `count` radii, from begin_px on in steps of width_px / row_steps. This is
     /// faster than single calls.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;

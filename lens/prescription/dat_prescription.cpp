@@ -24,7 +24,8 @@ void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
         ++rows;
         if (!refracts(i)) ++even;
     }
-    // The one row with the same medium on both sides is the stop. The others are planes.
+    // Several rows of the table have radius 0. The only one with the same medium on both sides is the
+    // aperture stop; the others are plane glass surfaces.
     if (rows < 2 || even != 1) return;
     for (std::size_t i = 0; i < surfaces.size(); ++i)
         surfaces[i].is_stop = surfaces[i].is_stop && !refracts(i);
@@ -49,7 +50,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
             }
             continue;
         }
-        // A single number in front of the table is the focal length.
+        // A single number above the table of surfaces is the focal length.
         if (words.size() == 1 && lens.surfaces.empty() && !lens.stated_focal_length_mm) {
             lens.stated_focal_length_mm = number_in(file, line.number, words[0], "focal length");
             continue;
@@ -72,7 +73,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop may have index 0. The medium in front of it then continues.
+        // A stop with refractive index 0 lies inside the medium in front of it.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

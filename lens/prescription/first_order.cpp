@@ -75,15 +75,15 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Transfer matrix from the first surface to the stop's plane. `back` contains a refraction at the stop
+    // Ray transfer matrix from the first lens surface to the aperture stop, without refraction at the stop
     // itself.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A ray (y, nu) at the first surface meets the stop at the height a (y + b/a nu). So the entrance pupil
-    // lies at b/a, and is 1/a times as large as the stop.
+    // A paraxial ray (height y, angle nu) from the first surface meets the stop at the height a y + b nu. So
+    // the entrance pupil, the stop's image, lies at b / a.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -104,8 +104,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // A ray from the object point has the height y = -z nu at the first vertex. For an object at infinity, nu
-    // is 0.
+    // A ray from the point at z on the axis has the height y = -z nu at the first vertex, where nu is its
+    // angle. At infinity, nu is 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

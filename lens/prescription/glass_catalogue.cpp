@@ -140,7 +140,8 @@ std::optional<Glass> find_glass(std::string_view name) {
     const std::string wanted = bare(name);
     if (wanted.empty()) return std::nullopt;
     const Entry* entry = find_bare(wanted);
-    // Lead-free glasses replaced older ones. Their names have an additional N in front.
+    // Lead-free successors of older glasses have an additional N in front of their names, such as N-BK7 for
+    // BK7.
     if (entry == nullptr) entry = find_bare("N" + wanted);
     if (entry == nullptr) return std::nullopt;
     return Glass::sellmeier(entry->terms, std::string(entry->name));

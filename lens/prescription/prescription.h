@@ -33,7 +33,8 @@ struct Surface {
     int line = 0;  ///< line number in the file, for error messages; 0 if unknown
 
     [[nodiscard]] bool is_asphere() const;
-    /// Returns the sag at distance r_mm from the axis, or NaN beyond the edge of the conic.
+    /// Returns how far the surface lies from its vertex along the axis (its sag), at distance r_mm from the
+    /// axis. Returns NaN beyond the edge of the conic.
     [[nodiscard]] double sag_mm(double r_mm) const;
 };
 
@@ -46,8 +47,8 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// At most one of these numbers gives the opening of the stop. Without them, the opening is the stop's
-    /// clear radius.
+    /// At most one of these numbers is set, and determines how far the aperture stop opens. Without them, the
+    /// stop opens to its clear radius.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty

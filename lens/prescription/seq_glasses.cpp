@@ -37,8 +37,7 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
         const double vd = number_in(file_, line, std::string_view(name).substr(colon + 1), "Vd");
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
-    // In a code such as 517.642, the digits before the dot mean nd = 1.517. Those after it mean the Abbe
-    // number Vd = 64.2.
+    // A glass code such as 517.642 means a refractive index nd of 1.517 and an Abbe number Vd of 64.2.
     const auto is_digits = [](std::string_view part) {
         return part.size() >= 3 && part.size() <= 9 &&
                std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
@@ -91,7 +90,7 @@ void SeqGlasses::define(int line, const std::string& key, const SeqWords& words)
         for (std::size_t i = 1; i < words.size(); ++i)
             wavelengths_nm_.push_back(seq_number(file_, line, words, i, "wavelength"));
     } else {
-        // Stores the reason if a glass cannot be read. Only a surface that uses the glass makes it an error.
+        // If a glass cannot be read, only stores the reason. It becomes an error if a surface uses the glass.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);
         const std::string formula = named ? upper_case(words[1]) : "";

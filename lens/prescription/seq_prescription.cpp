@@ -18,8 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads one command. A first pass (`glasses` is true) reads only private glasses, and a second pass all
-    /// other commands.
+    /// Reads one command of the file. The first pass (`glasses` is true) reads only glass definitions, and
+    /// the second pass all other commands.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -155,7 +155,7 @@ void SeqReader::clear_radius(const SeqWords& words) {
 
 void SeqReader::system_command(const std::string& key, const SeqWords& words) {
     if (key == "RDM") {
-        // The file gives radii after RDM or "RDM Y", and curvatures after "RDM N".
+        // The commands RDM and "RDM Y" select radii of curvature, and "RDM N" selects curvatures.
         by_radius_ = words.size() < 2 || upper_case(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -191,7 +191,8 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // Other commands, such as weights and displays, do not affect the shape of the lens.
+    // Ignores all other commands, such as weights and displays, because they do not affect the shape of the
+    // lens.
 }
 
 void SeqReader::command(int line, const SeqWords& words, bool glasses) {

@@ -93,8 +93,8 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // The line's nd and Vd define a glass outside the catalogue. But nd 1.5 with Vd 40 is usually a
-    // placeholder of Zemax.
+    // Index nd and Abbe number Vd in the line define a glass that is not in the catalogue. But 1.5 and 40 are
+    // usually placeholders of Zemax.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
@@ -206,7 +206,8 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // a_i is the coefficient of r^(2i) in the file's unit U. In mm, it is a_i U / U^(2i).
+            // The file gives the coefficient a_i of r^(2i) in its own unit, of U mm. In mm, the coefficient
+            // is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }

@@ -57,7 +57,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Beyond the table, responses are extrapolated linearly. The limit of 1000 steps keeps them finite.
+    // Beyond the table's depths, impulse responses are extrapolated linearly. The limit of 1000 table steps
+    // keeps them finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -68,8 +69,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // Beyond the table, only landing points are extrapolated. Pupil points and light change little with
-    // depth.
+    // Beyond the table's depths, extrapolates only where rays meet the film. Their pupil positions and their
+    // light change little with depth.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

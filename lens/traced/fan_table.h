@@ -14,19 +14,20 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths up to the given one or to the inverse focus distance, and tangents up to
-    /// `widest_tangent`. Responses grow linearly beyond the depths, and stay constant beyond the tangents.
+    /// Traces impulse responses for inverse depths up to the given one or the inverse focus distance, and for
+    /// field tangents up to `widest_tangent`. They grow linearly beyond these depths, and stay constant
+    /// beyond these tangents.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns LensView::light, interpolated in the table. `tangent` is the tangent of the pixel's angle from
-    /// the axis.
+    /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
+    /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
     /// Returns an upper bound of the radius of all impulse responses at an inverse depth, divided by the film
     /// distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes over the field. It bounds a ray's shift
-    /// relative to the object point's image, per shift of the object point.
+    /// Returns an upper bound of how fast the impulse response changes over the image: a ray's shift relative
+    /// to the point's image, per shift of the object point.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

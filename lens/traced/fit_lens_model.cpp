@@ -107,7 +107,8 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray at pupil height q and field tangent t meets the surface at the height a q - b t.
+        // A paraxial ray from pupil height q, at field tangent t, meets this lens surface at the height a q -
+        // b t.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

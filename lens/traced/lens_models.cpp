@@ -23,8 +23,8 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // Defocus, field curvature, astigmatism, spherical aberration and coma, each in two orders. By mirror
-    // symmetry, terms of x are odd in u, and terms of y even.
+    // Polynomial terms for defocus, field curvature, astigmatism, spherical aberration and coma. By mirror
+    // symmetry, terms of x are odd in the pupil coordinate u, and terms of y even.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -70,8 +70,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // Returns the chief ray's distance from the film centre, or infinity if it is blocked. The chief ray
-    // passes through the centre of the stop.
+    // Returns how far from the film centre the chief ray (through the centre of the stop) lands, or infinity
+    // if it is blocked.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -79,8 +79,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // Searches outwards in steps of one degree, until the chief ray lands field_mm from the centre or no
-    // longer moves outwards. Bisection refines the last step.
+    // Searches for the field angle at which the chief ray lands field_mm from the film centre, or no longer
+    // moves outwards. Takes steps of one degree, then bisects.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -114,8 +114,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Returns the height, in mm, at which a paraxial ray meets the film; it is 0 for a point in focus. The
-    // ray meets the pupil at 1 mm.
+    // Returns the height, in mm, at which a paraxial ray through the pupil at 1 mm meets the film. It is 0 if
+    // the object point is in focus.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -126,7 +126,8 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // Inverse depth, in 1/m, that paraxial rays focus. A focus distance in the settings takes precedence.
+    // Inverse distance, in 1/m, at which paraxial rays are in focus. A focus distance in the settings takes
+    // precedence.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;
@@ -181,8 +182,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // If only the model or only the traced lens passes a ray, its error is its distance on the film from the
-    // nearest ray that both pass.
+    // If a ray passes only the model or only the traced lens, its error is its distance, on the film, from
+    // the nearest ray that passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

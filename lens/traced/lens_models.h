@@ -53,8 +53,8 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Computes the landing point of a ray, for a depth > 0 and a field tangent >= 0 along +y. `pupil_mm` is
-    /// on the plane of the paraxial pupil.
+    /// Computes where a ray lands on the film, for a depth > 0 and a field tangent >= 0 along +y. `pupil_mm`
+    /// is on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the terms for x and for y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
@@ -80,16 +80,18 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns the landing point of a ray by one of the models. The polynomial model needs set_polynomial.
+    /// Returns where a ray lands on the film according to one of the lens models. The polynomial model needs
+    /// set_polynomial.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the RMS error of landing points, in mm, over a uniform grid of the pupil. Landing points are
-    /// relative to the chief ray.
+    /// Returns the RMS error of a lens model's landing points on the film, in mm, over a uniform grid of the
+    /// pupil. Landing points are relative to the chief ray.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
-    /// Returns the largest error over all depths and fields of a range.
+    /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick-lens model, the ray through pupil point p of an object at depth z' (m) lands at
+    /// In the thick-lens model, a ray from an object at depth z' (m) through pupil point p lands on the film
+    /// at
     ///
     ///     p (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

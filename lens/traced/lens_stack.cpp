@@ -49,14 +49,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // For precision, moves an origin over 100 radii of curvature away to the ray's point nearest to the
+    // For precision, moves a ray origin over 100 radii of curvature away to the ray's point nearest to the
     // vertex. For a tiny surface, rounding makes a second move necessary.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3]. t solves
-    // a t^2 - 2 b t + f = 0.
+    // Intersects the ray p + t d with the conic of curvature c, c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986,
+    // 4.3]. t solves a t^2 - 2 b t + f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -64,15 +64,16 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
-        // Of f / (b + root) = (b - root) / a, computes the form without cancellation.
+        // The solution is f / (b + root) = (b - root) / a. Computes the form in which no digits cancel.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // Rejects intersections beyond the widest circle of a conic, where an ellipsoid curves back.
+        // Rejects intersections with the far side of an ellipsoid, beyond its widest circle.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
-        // The even polynomial displaces the surface along z. Newton's method starts at the conic.
+        // The even polynomial of an asphere displaces the surface along z. Newton's method starts at the
+        // intersection with the conic.
         constexpr int most_steps = 32;
         constexpr double close_mm = 1e-10;
         double miss = 0;

@@ -31,7 +31,7 @@ struct RayEnd {
 struct LensRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, 1};  ///< of length 1
-    /// Returns the intersection with the plane at z, perpendicular to the axis.
+    /// Returns where the ray meets the plane at z, perpendicular to the optical axis.
     [[nodiscard]] glm::dvec2 at_z(double z_mm) const {
         return glm::dvec2(origin) + (z_mm - origin.z) / direction.z * glm::dvec2(direction);
     }
@@ -45,8 +45,8 @@ enum class Apertures : bool { ignored, respected };
 /// Tracing neither allocates nor throws. Many threads may trace at once.
 class LensStack {
   public:
-    /// `lens` must have passed check_prescription. If `stop_radius_mm` is infinite, the stop opens to its
-    /// clear radius.
+    /// `lens` must have passed check_prescription. If `stop_radius_mm` is infinite, the aperture stop opens
+    /// to its clear radius.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }

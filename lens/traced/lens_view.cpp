@@ -63,8 +63,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If r does not grow, no ray passes the lens there and the image is black. Linear extension keeps the
-        // curve invertible.
+        // If the landing radius r does not grow with the field angle, no ray passes the lens and the image is
+        // black. Linear extension keeps the distortion curve invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -124,7 +124,8 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // Finds the curve's interval that contains r, and then the tangent by Newton's method.
+    // Inverts the lens's distortion curve at film radius r: finds the tabulated interval, and then the
+    // tangent by Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
     double tangent = tangent_step_ * i;

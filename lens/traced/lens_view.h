@@ -37,13 +37,14 @@ class LensView {
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
-    /// Returns the thin lens with the same focal length, pupil and focus distance.
+    /// Returns the thin lens with the real lens's focal length, pupil and focus distance.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Returns the paraxial scale: mm on the film per unit of the field tangent.
+    /// Returns the scale of the undistorted (paraxial) image: mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray whose light reaches the pixel of direction `tangent`. (u, v) select the ray as in
-    /// TracedLens::scene_ray. Returns false if it is blocked. Does not allocate memory.
+    /// Computes a ray of the scene whose light reaches the pixel in direction `tangent`. `uv` selects its
+    /// point in the lens, as in TracedLens::scene_ray. Returns false if it is blocked. Does not allocate
+    /// memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
@@ -54,8 +55,8 @@ class LensView {
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// Inverts the distortion. Returns the direction that a film point shows, as tangents in camera axes (x
-    /// right, y up).
+    /// Inverts the lens's distortion: returns the direction that a film point shows, as tangents in camera
+    /// axes (x right, y up).
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

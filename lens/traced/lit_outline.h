@@ -23,8 +23,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches for the region, beginning at `near`. Sets `near` to its centre and `edge` to its outline.
-    /// Returns false if no ray passes.
+    /// Searches for the region of rays that pass the lens, beginning at `near`. Sets `near` to its centre and
+    /// `edge` to its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);
@@ -36,8 +36,8 @@ class LitOutline {
     }
 
   private:
-    /// Bisection steps in the search for the edge. They divide the initial interval, usually 3 scale, by
-    /// 2^18.
+    /// Number of bisection steps that find the edge of the region in which rays pass the lens. They divide
+    /// the initial interval by 2^18.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -46,7 +46,8 @@ class LitOutline {
         return {std::sin(angle), std::cos(angle)};
     }
 
-    // Tests the rays of a coarse grid. Chooses the passing ray nearest to the mean of all passing rays.
+    // Tests a coarse grid of rays through the lens, and chooses the passing ray nearest to the mean of all
+    // passing rays.
     [[nodiscard]] bool search(glm::dvec2& near) const {
         std::vector<glm::dvec2> found;
         glm::dvec2 sum(0);
@@ -81,11 +82,13 @@ class LitOutline {
         }
     }
 
-    // Returns y of the region's centroid. `edge` outlines one of its two symmetric halves.
+    // Returns y of the centroid of the region in which rays pass the lens. `edge` outlines one of its two
+    // symmetric halves.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {
-            // Area and moment of the strip between one outline side and the symmetry axis.
+            // Adds the area and the moment of the trapezium between one side of the outline and the symmetry
+            // axis.
             const glm::dvec2 &a = edge[j], &b = edge[j + 1];
             area += (a.x + b.x) / 2 * (a.y - b.y);
             moment += (a.y - b.y) * (a.x * (2 * a.y + b.y) + b.x * (a.y + 2 * b.y)) / 6;

@@ -100,7 +100,6 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Computes each ray's raster position and the bounding box of the response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -109,8 +108,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // Small responses use only every second or fourth ring and spoke. Their outline still has an error below
-    // 0.03 px.
+    // Small impulse responses use only every second or fourth ring and spoke of rays in the pupil. Their
+    // outline still has an error below 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -151,7 +150,7 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The image of this cell is folded, because rays of different lens zones cross. The images of two
+        // Rays of different lens zones cross, which folds the image of this pupil cell. The images of two
         // triangles cannot fold.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);

@@ -26,7 +26,7 @@ struct PupilFan {
         glm::dvec2 landing{0};  ///< tangent of the landing pixel minus that of the object point
         double light = 0;       ///< light per area of the plane of the pinhole
     };
-    /// Nodes with x < 0 are mirror images and are not stored.
+    /// Rays through the half of the pupil with x >= 0. Rays with x < 0 are mirror images and are not stored.
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
 
     [[nodiscard]] Node& at(std::size_t ring, std::size_t spoke) { return nodes[ring * (spokes + 1) + spoke]; }

@@ -156,8 +156,8 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // Moves z to the smallest rms spot, for rays at equal steps of the pupil radius y. The weight of a
-        // ray is y, because it represents a ring.
+        // Moves the film position z to where the RMS spot is smallest. Rays are at equal steps of the pupil
+        // radius y, and have the weight y because each represents a ring.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -207,8 +207,8 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the lens extension e. film(d) focuses distance d. The
-    // iteration converges from below, because film(s - e) grows with e.
+    // Solves e = film(s - e) - film(infinity) for the lens extension e, where film(d) is the film position
+    // that focuses distance d. film(s - e) grows with e, so the iteration converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -227,7 +227,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
     const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
     const double z = stack_.last_vertex_z_mm();
     const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
-    // The region of passing rays is symmetric, so the grid covers only x >= 0.
+    // The region of rays that pass the lens is symmetric, so the grid covers only x >= 0.
     constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
     std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
     const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
@@ -240,7 +240,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Uses only the largest connected group of passing rays. The mount of a real lens would block the others.
+    // Uses only the largest connected group of passing rays. The mount of a real lens would block separate
+    // groups.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -266,7 +267,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The region's edge is less than one step beyond the outermost passing ray.
+    // The edge of the region of passing rays is less than one grid step beyond the outermost passing ray.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -274,7 +275,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // Width, in the last surface's plane, of all rays from the paraxial exit pupil to the film.
+    // Width, in the plane of the last lens surface, of the bundle of all rays from the paraxial exit pupil to
+    // the film.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -285,8 +287,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search covers the whole square coarsely. Up to three further searches refine the
-        // rectangle of passing rays.
+        // Searches the whole square coarsely for rays that pass the lens. Up to three further searches refine
+        // the rectangle that contains them.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -377,7 +379,7 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // Strong aberrations have moved the pupil. Searches all rays that meet the first surface.
+        // Strong aberrations have moved the pupil. Searches all rays that meet the first lens surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
@@ -399,8 +401,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Weight of the ray: solid angle per area of the pupil plane, cos^3 / depth^2. It is relative to the
-        // ray through the pupil's centre.
+        // Weight of a ray: solid angle per area of the pupil plane (cos^3 / depth^2), relative to the ray
+        // through the pupil's centre.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

@@ -78,7 +78,8 @@ class TracedLens {
     [[nodiscard]] double film_distance_mm() const { return film_from_vertex_mm_ - stack_.last_vertex_z_mm(); }
     /// z of the pinhole, measured from the first surface's vertex.
     [[nodiscard]] double pinhole_from_vertex_mm() const { return pinhole_from_vertex_mm_; }
-    /// How far focusing has moved the lens towards the scene. It is 0 with FocusMove::film.
+    /// How far focusing has moved the lens towards the scene. It is 0 if focusing moves the film
+    /// (FocusMove::film).
     [[nodiscard]] double extension_mm() const { return extension_mm_; }
 
     /// Computes the ray that reaches the film at `film_mm`. (u, v) in [0, 1)^2 select its point in a

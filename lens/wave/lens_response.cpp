@@ -65,7 +65,7 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // Smaller radii are replaced by this one, because the disc must have an area.
+    // Smaller discs are enlarged to this radius, because coverage is divided by the disc's area.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -85,8 +85,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // A sample at the optical radius v takes about v steps to compute. The limit keeps the profile below a
-    // few seconds.
+    // A sample of the diffraction pattern at the optical radius v takes about v steps to compute. The limit
+    // keeps the profile below a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -139,7 +139,7 @@ void make_disc(LensResponse& out, int size_px) {
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
         // Intensity of the disc relative to the peak in focus: 1 / (pi R^2) divided by v_per_px^2 / (4 pi),
-        // with R = u / v_per_px.
+        // with the disc's radius R = u / v_per_px.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -149,8 +149,7 @@ void make_disc(LensResponse& out, int size_px) {
 /// Computes the response of any aperture. It is not round, so there is no radial profile.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // The lens rim (|q| = 1) maps to the edge of the circle of confusion, so the scale is this circle's
-    // radius.
+    // Maps the rim of the lens (1 lens radius) to the edge of the circle of confusion.
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -239,8 +238,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Displacement, in px, of light through the lens rim by spherical aberration X (1/m). X adds X rho^2 to
-    // the defocus at lens radius rho.
+    // How far spherical aberration displaces light through the lens rim, in px. A coefficient X (1/m) adds X
+    // rho^2 to the defocus at lens radius rho.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

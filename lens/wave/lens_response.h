@@ -32,8 +32,8 @@ struct RadialSample {
 };
 
 struct LensResponse {
-    /// The fraction of the energy in each pixel; the sum is `energy_in_frame`. The geometric image is at the
-    /// grid's centre, a pixel's centre if sizes are odd.
+    /// Fraction of the energy in each pixel; the sum is `energy_in_frame`. The scene point's geometric image
+    /// is at the grid's centre, a pixel's centre if sizes are odd.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
@@ -47,8 +47,8 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it never measures a single
     /// bright fringe. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Evenly spaced samples from the centre to half the grid's width: four per unit of v (the optical
-    /// radius), but 512 to 8192 in total. There are fewer if computing them takes seconds.
+    /// Radial profile from the response's centre to half the grid's width. It has 512 to 8192 uniform
+    /// samples, if possible four per unit of v (the optical radius).
     std::vector<RadialSample> profile;
 };
 
