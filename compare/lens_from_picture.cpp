@@ -56,7 +56,8 @@ class Cost final : public ceres::CostFunction {
         set_num_residuals(static_cast<int>(residuals.size()));
         mutable_parameter_block_sizes()->push_back(2);
     }
-    /// Parameters: the logarithm of the aperture (mm), and the inverse focus distance (1/m).
+    /// Parameters of the lens: the logarithm of the aperture diameter (mm), and the inverse focus distance
+    /// (1/m).
     bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
         const LensPlace p{std::exp(parameters[0][0]), parameters[0][1]};
         residuals_.at(p, out, linear_from_);
@@ -87,11 +88,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // Stops after a step that lowers the error by less than the fraction `tolerance`. At 1e-4, a further step
-    // would change the parameters by far less than 0.1 %.
+    // Stops the solver after a step that lowers the error by less than the fraction `tolerance`. At 1e-4, a
+    // further step would change the lens by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // Stops if a full step does not lower the error. Smaller steps would not help, because the computed image
-    // changes in discrete steps.
+    // Stops the solver if a full step does not lower the error. Smaller steps would not help, because the
+    // computed image changes in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -175,8 +176,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // A small determinant means that aperture and focus change the image alike. The image then does not
-    // determine both.
+    // If the determinant is small, aperture and focus distance change the image alike, so the image does not
+    // determine them separately.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -250,7 +251,7 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // With lens blur, even a rough lens has a smaller error than the pinhole.
+    // If the image has lens blur, even a rough estimate of the lens has a smaller error than a pinhole.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -273,8 +274,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Lenses were fitted to different pixels. Dividing by `spread`, the contrast there, makes their errors
-    // comparable.
+    // Sorts the fitted lenses by error. They were fitted to different pixels; dividing by `spread`, the
+    // contrast of these pixels, makes their errors comparable.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -15,9 +15,11 @@ namespace postlens {
 struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, it is chosen from the longest path.
+    /// Number of instants whose images are averaged, 1..most_views. If absent, it is chosen from the longest
+    /// path.
     std::optional<int> views;
-    /// Only tiles that overlap the crop are drawn. All other tiles stay as they are.
+    /// Part of the image to draw. Only tiles of the image that overlap it are drawn; other tiles stay as they
+    /// are.
     std::optional<Crop> crop;
 };
 

@@ -48,8 +48,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // lightfield and auto blend the static pixels of all recorded instants, because shadows and lights
-        // may move.
+        // The methods lightfield and auto blend the static pixels of all recorded instants, because shadows
+        // and lights may move.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -67,7 +67,8 @@ class MotionBlur {
     }
 
   private:
-    // Returns whether the exposure is the frame's instant. The recorded image is then the result.
+    // Returns true if the exposure is a single instant, that of the frame. The recorded image is then the
+    // result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
     }
@@ -86,13 +87,14 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Keeps in memory only the bands of rows that contain an object of `only`, or any object if `only` is
-        // empty.
+        // Keeps in memory only the bands of pixel rows that show an object of `only`, or any object if `only`
+        // is empty.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // At other instants, an object may move differently. Some objects are recorded only there.
+        // Searches the frame's other recorded instants too, because an object may move differently there, or
+        // be recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -164,14 +166,14 @@ class MotionBlur {
         }
     }
 
-    // Returns whether the border of the recorded area cuts an object at the frame's instant. Convolution
-    // cannot show the missing part; the light field finds it at other instants.
+    // Returns true if the border of the recorded image cuts an object at the frame's instant. Convolution
+    // cannot show the missing part, but the light field finds it at other instants.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns whether shading, shadows or reflections may change between recorded instants. Convolution uses
-    // only one instant, and cannot show this.
+    // Returns true if shading, shadows or reflections may change between recorded instants. Convolution
+    // cannot show this, because it uses only one instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -185,7 +187,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows covers a quarter of a leaf and half a raster cell.
+        // The margin of 2 pixel rows allows for the extent of the outermost samples (a quarter of a quadtree
+        // cell) and for rounding the path (half a raster cell).
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -193,8 +196,8 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Groups the objects to convolve, and finds the surfaces in their rows. With `automatic`, groups for
-    /// which depth slices are inaccurate are left to the light field.
+    /// Groups the objects that convolution will blur, and finds the surfaces in their pixel rows. With
+    /// `automatic`, the light field blurs groups for which depth slices are inaccurate.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -254,8 +257,8 @@ class MotionBlur {
         });
     }
 
-    /// Convolves all groups. With `automatic`, groups that cross others with a large error are later redrawn
-    /// by the light field.
+    /// Blurs all groups of objects by convolution. With `automatic`, the light field later redraws groups
+    /// whose crossing with other groups causes a large error.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -285,8 +288,8 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel. The background then comes from the views, which must cover
-            // the whole image.
+            // Moving objects cover every pixel, so the background comes from the light field's images. They
+            // must cover the whole image, so that a crop does not change it.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -308,8 +311,8 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the background behind moving objects, interpolated from static pixels. Without static pixels,
-    // it comes from the pixels in which a view shows a recorded surface.
+    // Returns the background behind moving objects, interpolated from static pixels. If there are none,
+    // interpolates from the pixels in which the light field shows a recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -343,7 +346,7 @@ class MotionBlur {
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds objects that move but have no records. They may be visible in mirrors and glass.
+    // Adds moving objects without recorded surfaces, because they may be visible in mirrors and glass.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -357,7 +360,8 @@ class MotionBlur {
         return moving;
     }
 
-    // Warns of moving objects that `convolve` ignores, because the frame's instant does not show them.
+    // Warns of moving objects that method `convolve` ignores, because they are not visible at the frame's
+    // instant.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {

@@ -27,8 +27,8 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute, bit-identical to that of the whole image. Other pixels are
-    /// undefined. Shares in MotionBlurResult refer to it.
+    /// Part of the image to compute, bit-identical to this part of the whole image. Other pixels are
+    /// undefined. Fractions of pixels in MotionBlurResult refer to this part.
     std::optional<Crop> crop;
 };
 
@@ -46,8 +46,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices of convolve
-    /// The path that convolve uses: its number of points, the knots of the spline fitted to it (0 if none),
-    /// and the error of the fit.
+    /// The path that convolution uses: its number of points, the number of knots of the spline fitted to it
+    /// (0 if none), and the error of the fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;

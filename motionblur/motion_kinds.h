@@ -40,11 +40,11 @@ struct IdMotion {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
     double path_px = 0;          ///< length of the longest path of a corner of the box; may be infinite
-    /// Largest difference, in px, between the displacements of a box corner and the box's centre. Infinite if
-    /// the box passes the camera.
+    /// Largest difference, in px, between the displacements of a corner of the object's bounding box and of
+    /// its centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of predicting a box corner's displacement from the centre's, in proportion to
-    /// the inverse depth.
+    /// Largest error, in px, of predicting the displacement of a bounding box's corner from its centre's, in
+    /// proportion to the inverse depth.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m

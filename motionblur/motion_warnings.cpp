@@ -216,8 +216,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, cut objects already end at the frame's border. Only a movement beyond this margin
-        // counts.
+        // Without overscan, an object that leaves the frame ends at its border. It counts as cut only if its
+        // cut side moves into the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -335,7 +335,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // Skips t if no usable record shows the object, because it is not visible then.
+        // Skips the time t if none of the recorded instants used for it shows the object, because it is not
+        // visible then.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -354,8 +355,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, every surface that fills the frame would cause a warning. For lightfield,
-        // "uncovered" reports what is missing.
+        // A moving camera moves every surface that the frame cuts, and each would cause a warning. For the
+        // light field, the warning "uncovered" reports what is missing.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

@@ -17,7 +17,7 @@ namespace postlens {
 /// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to it.
 class UnseenMotion {
   public:
-    /// `moving` contains the sorted ids of objects that move. `header` must outlive this object.
+    /// `moving`: sorted ids of the moving objects. `header` must outlive this object.
     UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
     ~UnseenMotion();
     UnseenMotion(const UnseenMotion&) = delete;
@@ -25,7 +25,8 @@ class UnseenMotion {
     UnseenMotion(UnseenMotion&&) = delete;
     UnseenMotion& operator=(UnseenMotion&&) = delete;
 
-    /// If false, there are no such effects. If true, add all rows of the frame, and then get the warnings.
+    /// Returns false if the motion cannot change shadows, reflections or shading. If true, add all rows of
+    /// the frame, and then get the warnings.
     [[nodiscard]] bool possible() const;
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);

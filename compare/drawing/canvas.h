@@ -26,7 +26,8 @@ class Canvas {
     /// Fills a rectangle, clipped at the border of the canvas.
     void fill(int x, int y, int width, int height, Rgb8 colour);
     void dot(int x, int y, Rgb8 colour);
-    /// Copies an image to the canvas, with its top left corner at (x, y). It must lie within the canvas.
+    /// Copies an image to the canvas, with its top left corner at (x, y). The image must lie within the
+    /// canvas.
     void picture(int x, int y, const EncodedPicture& picture);
     /// Writes ASCII text in white. Its baseline begins at (x, y). Capitals are 9 px high at `scale` 1.
     void text(int x, int y, double scale, const std::string& words);

@@ -42,7 +42,8 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // Control characters and non-ASCII bytes of file names can make the XML invalid.
+                // Replaces control characters and non-ASCII bytes, for instance of file names, because they
+                // can make the XML invalid.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }

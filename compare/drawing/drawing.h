@@ -28,8 +28,8 @@ class Drawing {
     /// Draws a filled polygon of at least three points, with an outline.
     void area(std::vector<Point> points, Colour fill, Colour edge, double width_px = 1);
     void dot(Point at, double radius_px, Colour colour);
-    /// Writes ASCII text. At `at`, the baseline begins, ends or is centred, as `anchor` states. Capitals are
-    /// size_px / 1.4 px high.
+    /// Writes ASCII text. The point `at` is the beginning, middle or end of the baseline, according to
+    /// `anchor`. Capitals are size_px / 1.4 px high.
     void text(Point at, double size_px, const std::string& words, Anchor anchor = Anchor::start);
 
     [[nodiscard]] std::string svg() const;

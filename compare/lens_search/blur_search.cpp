@@ -111,8 +111,8 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS residual of a lens. At inverse depth d, its blur diameter is gain_px * |d -
-    /// inverse_focus_per_m|. `gain_px`, in px m, is proportional to the aperture.
+    /// Returns the RMS difference between the image and the blur of a lens. At inverse depth d, its blur
+    /// diameter is gain_px * |d - inverse_focus_per_m|.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -148,8 +148,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // The largest blur diameter is 0.7 px to a quarter of the width. 1/s covers the range of recorded inverse
-    // depths, extended by half at either end.
+    // Tries lenses with a largest blur of 0.7 px to a quarter of the image's width. Inverse focus distances
+    // cover the recorded depths, and half of their range beyond either end.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,
@@ -172,7 +172,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // Of neighbouring lenses with equal errors, only the first counts as a minimum.
+                    // Of neighbouring lenses in the search grid with equal errors, only the first counts as a
+                    // minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -55,8 +55,7 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // A lens that the solver tries again may differ by a rounding error, because the solver uses the
-    // aperture's logarithm.
+    // Compares lenses with a tolerance for rounding errors, because the solver uses the aperture's logarithm.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -65,7 +64,8 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // At a fixed field of view, blur depends only on the aperture F / n. So F can have any value.
+    // At a fixed field of view, blur depends only on the aperture diameter F / n. So the focal length F can
+    // have any value.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

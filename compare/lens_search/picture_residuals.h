@@ -26,13 +26,14 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Computes the image of the lens `place`, and writes its robust residuals to `out`. Residuals above
-    /// `linear_from` count linearly instead of quadratically.
+    /// Computes the image of the lens `place`, and writes its differences from the wanted image to `out`.
+    /// Differences above `linear_from` count linearly instead of quadratically (robust).
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes each residual's derivatives with respect to log aperture and to 1/s (s: focus distance in m).
-    /// `focus_step_per_m` is half the step in 1/s.
+    /// Writes each pixel's derivatives with respect to the logarithm of the aperture and to 1/s (s: focus
+    /// distance in m). `focus_step_per_m` is half the difference step in 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Writes the robust residuals of `image`. `of_even` uses a constant image of the median tone.
+    /// Writes the robust differences of `image` from the wanted image. `of_even` uses a constant image of the
+    /// median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -50,7 +51,7 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of computed images, newest last, because the solver often returns to a lens.
+    /// Cache of the images computed for lenses, newest last, because the solver often returns to a lens.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

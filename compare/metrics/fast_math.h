@@ -9,8 +9,8 @@ namespace postlens {
 
 /// Returns the cube root of v > 1e-30, with a relative error of at most 3e-7.
 [[nodiscard]] inline float cube_root(float v) {
-    // The first estimate divides the float's exponent by 3, with an error below 0.06. Each Halley step cubes
-    // the error.
+    // The first estimate of the cube root divides the float's exponent by 3, with an error below 0.06. Each
+    // Halley step cubes the error.
     auto r = std::bit_cast<float>(std::bit_cast<std::uint32_t>(v) / 3 + 709921077U);
     for (int i = 0; i < 2; ++i) {
         const float cube = r * r * r;
@@ -31,8 +31,8 @@ namespace postlens {
     const float log2 =
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
-    // Computes exp2(p) from p's integer part and a Taylor series of the rest. Adding 1.5 * 2^23 rounds p to
-    // an integer, in the low bits of the sum.
+    // Computes exp2(p) from p's integer part and a Taylor series of its fraction. Adding 1.5 * 2^23 rounds p
+    // to an integer, in the low bits of the sum.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

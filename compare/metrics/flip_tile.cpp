@@ -53,7 +53,8 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Gaussians a sqrt(pi/b) exp(-pi^2 x^2 / b), with x in degrees [andersson2020, table 1 and eq. 4].
+    // Contrast sensitivity of the eye: Gaussians a sqrt(pi/b) exp(-pi^2 x^2 / b), with x in degrees
+    // [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
     // Width, in degrees, of the detector of edges and points, from peak to trough [andersson2020, sec. 4.2].
@@ -103,7 +104,7 @@ FlipDisplay FlipDisplay::at_exposure(double stops) {
 }
 
 double flip_tone_curve_inverse(double level) {
-    // The tone curve is a quotient of quadratics. Equal to `level`, it gives a x^2 + b x + c = 0, of which
+    // The tone curve is a quotient of quadratics in x. It equals `level` where a x^2 + b x + c = 0, of which
     // this is the positive root.
     const double a = tone_n2 - level * tone_d2, b = tone_n1 - level * tone_d1, c = -level * tone_d0;
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
@@ -260,8 +261,8 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
 // it is greater.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
-    // Green and blue have the greatest colour distance. 0.4 times this distance maps to a colour error of
-    // 0.95.
+    // Green and blue have the greatest colour distance. FLIP maps 0.4 times this distance to a colour error
+    // of 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);

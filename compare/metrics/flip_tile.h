@@ -12,11 +12,12 @@ namespace postlens {
 /// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Filters of contrast sensitivity. Blue-yellow is a sum of two Gaussians, whose taps sum to their
-    /// weights. All other taps sum to 1.
+    /// Taps of the filters of contrast sensitivity. Blue-yellow is a sum of two Gaussians, whose taps sum to
+    /// their weights; all other taps sum to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
-    /// A Gaussian and its two derivatives. Positive taps of a derivative sum to 1, and negative ones to -1.
+    /// Filters that detect edges and points: a Gaussian and its two derivatives. A derivative's positive taps
+    /// sum to 1, and its negative taps to -1.
     TileChannel gauss, edge, point;
     explicit FlipFilters(double pixels_per_degree);
 };
@@ -31,13 +32,13 @@ class FlipDisplay {
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
         const float v = (x * (n2_ * x + n1_)) / (x * (d2_ * x + d1_) + d0_);
-        // Very bright values overflow to a NaN, for which this is false. The result is white.
+        // Very bright values overflow to a NaN, for which v < 1 is false, so that they become white.
         return v < 1 ? v : 1.0F;
     }
 
   private:
     float scale_ = 1;
-    // Tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give f(x) = x.
+    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give f(x) = x.
     float n2_ = 0, n1_ = 1, d2_ = 0, d1_ = 0, d0_ = 1;
 };
 

@@ -20,14 +20,15 @@ struct NoisyError {
     /// estimate, widened by `bias_rms`.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
-    /// Returns true if the interval includes zero. The error is then only known to be at most `greatest_rms`.
+    /// Returns true if the confidence interval includes zero. The error is then only known to be at most
+    /// `greatest_rms`.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 
 struct NoiseFloor {
     double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
-    /// RMSE and relMSE of one reference, scene-linear. relMSE divides squared errors by M^2 + 0.01, with the
-    /// mean M of both references.
+    /// RMSE and relMSE of one reference alone (its noise), scene-linear. relMSE divides squared errors by M^2
+    /// + 0.01, with the mean M of the two references.
     double reference_rmse = 0, reference_relmse = 0;
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values

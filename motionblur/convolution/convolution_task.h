@@ -21,12 +21,12 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. If the
-    /// result is 0, its window `out` is empty.
+    /// Prepares the convolution of `a`, the image of a moving object, with `b`, the image of its path. If the
+    /// result is 0 everywhere, its window `out` is empty.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of the object's raster: p[x] is column x.
+    /// Returns a pointer p to row y of the object's image, such that p[x] is the cell in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

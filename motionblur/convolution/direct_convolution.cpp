@@ -92,7 +92,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Time for transposing raster and result, in multiples of the time for one path cell.
+    // Time for transposing the object's image and the result, in multiples of the time for one cell of the
+    // path.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -183,8 +184,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each task computes 64 x 64 cells. Successive rows read mostly the same object rows, which stay in
-        // the cache.
+        // Each thread task computes 64 x 64 cells of the result. Its successive rows read mostly the same
+        // rows of the object, which stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -226,8 +227,8 @@ class DirectConvolution {
         });
     }
 
-    /// Lists the terms for each row of the path's raster. A short run becomes one CellTerm per cell, and a
-    /// long run becomes one RunTerm.
+    /// Lists the operations for each row of the path's image. A short run of equal cells becomes one CellTerm
+    /// per cell, and a long run becomes one RunTerm.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -318,7 +319,8 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of object cells read per path cell. Whole tiles are read, up to one tile beyond each row.
+    // Number of the object's cells that are read per cell of the path. Whole tiles are read, up to one tile
+    // beyond each row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

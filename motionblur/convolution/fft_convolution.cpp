@@ -44,7 +44,8 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // Multiples of 8 are fastest, because rows then consist of whole vectors. Odd sizes take twice as long.
+    // FFT sizes that are multiples of 8 are fastest, because rows then consist of whole SIMD vectors. Odd
+    // sizes take twice as long.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -56,7 +57,7 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time per n log2(n) for n cells, in seconds, measured with the benchmark `one_object/fft`.
+    // Time of an FFT of n cells per n log2(n), in seconds, measured with the benchmark `one_object/fft`.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -207,8 +208,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Transforms the path. Its cell (i, j) is stored at (i, j) modulo the transform's size. The weights
-    /// include the transforms' normalisation.
+    /// Transforms the image of the path. Its cell (i, j) is stored at (i, j) modulo the FFT's size, and its
+    /// weights include the FFT's normalisation.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -221,7 +222,8 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// For each row of the result, finds the columns to which the path moves nonzero cells of the object.
+    /// Finds the columns of each row of the result that can be nonzero: those to which the path moves a
+    /// nonzero cell of the object.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -264,8 +266,8 @@ class FftConvolution {
         }
     }
 
-    /// Copies the object cells that contribute to a block. Positions are relative to the block's first cell,
-    /// modulo the transform's size. Returns whether no copied value is negative.
+    /// Copies the object's cells that contribute to a block of the result, with indices modulo the FFT's
+    /// size. Returns true if no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -11,8 +11,8 @@ namespace postlens {
 
 /// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    /// `width` is the number of pixels in a row plus one. The extra column holds the last pixel's right
-    /// border.
+    /// `width` is the number of pixels in a row plus one, because samples lie at pixel corners. The extra
+    /// column holds the right border of the last pixel.
     int x_begin = 0, width = 0, y_begin = 0, y_end = 0;
     PixelLeaves leaves;
     SampleSurfaces surfaces;
@@ -37,12 +37,13 @@ class RecordBands {
     /// Keeps a reference to the file. Does not read any records.
     explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-    /// Reads all bands, and keeps those for which `keep` returns true in memory.
+    /// Reads the records of all pixel rows, band by band. Keeps in memory only those bands for which `keep`
+    /// returns true.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
-    /// Reads those bands of pixel rows [y_begin, y_end) that are not in memory.
+    /// Reads the bands of pixel rows [y_begin, y_end) whose records are not in memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// Returns all bands. A band that is not in memory has no records.
+    /// Returns the records of the image in bands of pixel rows. A band that is not in memory has no records.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -62,7 +63,7 @@ class RecordBands {
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);
-    /// Returns the index of the id's group, or -1 if the id belongs to no group.
+    /// Returns the index of the group to which an object's id belongs, or -1 if it belongs to none.
     [[nodiscard]] int operator()(std::uint32_t id) const {
         if (id < small_.size()) return small_[id];
         const auto found =

@@ -15,8 +15,8 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// These surfaces cover the fraction covered / known of the pixel. `known` is the weight of the samples
-    /// with a record at this depth or behind it.
+    /// These static surfaces cover the fraction covered / known of the pixel. `known` is the weight of the
+    /// samples that record a surface at their depth or behind it.
     double covered = 0, known = 0;
 };
 
@@ -81,7 +81,7 @@ class Composite {
         }
     }
 
-    // Columns of row y that the images of the moving groups cover.
+    // Pixel columns of row y that the images of the moving objects cover, blurred or as recorded.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {
@@ -106,7 +106,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Interval of depth with the sample's next nearer static surface, or between.size().
+        // Depth interval of the static surface that was added last, or between.size() if there is none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -117,7 +117,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of moving groups in front of the surface. depths_ is in descending order.
+            // Number of groups of moving objects in front of the surface. `depths_` holds their inverse
+            // depths in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -184,8 +185,8 @@ double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther)
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // The nearer coverage c has the variance c (1 - c). The farther light has at most its coverage as
-            // variance, for radiances up to 1.
+            // Bounds the squared error by the product of two variances: c (1 - c) of the nearer object's
+            // coverage c, and at most the coverage of the farther object.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

@@ -16,7 +16,7 @@ namespace postlens {
 /// independent of the other's light, which is wrong if both change.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
-    /// Upper bound of the mean squared error over the group's pixels, for radiances up to 1.
+    /// Upper bound of the mean squared error over the pixels of the moving group, for radiances up to 1.
     double most_mse = 0;
 };
 

@@ -20,7 +20,8 @@ constexpr double step_px = 4;
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. Only corners that
 /// show the moving group count.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-    // Mean slope along two opposite sides whose ends both show the group.
+    // Mean slope of the inverse depth along two opposite sides of a quadtree cell. Only sides with both
+    // corners on the moving object count.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
         int known = 0;
@@ -114,8 +115,8 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area is proportional to max(0, 1 + v), but slices can only change linearly. So 1 - v /
-    // low is used, with the same mean. v is the sum of rate * position.
+    // The projected area is proportional to max(0, 1 + v), where v is linear in the displacement. Slices can
+    // only change linearly, so area * (1 - v / low), with the same mean, replaces it.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -131,7 +132,8 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves, and needs one Piece for each.
+    // A record (stored surface sample) is a corner of about four quadtree cells, and needs one Piece for
+    // each.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
@@ -151,7 +153,7 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    // Reserves the largest possible number of pieces, because unwritten memory costs nothing.
+    // Reserves memory for the largest possible number of pieces. Memory that is never written costs nothing.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     for_each_leaf_of(band, table, g, window_, cells_per_px_,
                      [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {

@@ -37,8 +37,8 @@ struct PathAxis {
 /// same integral.
 struct Stretch {
     double area = 1;
-    /// G . axis / path_inverse_z, for each axis. G is the gradient of the inverse depth 1/z' over the piece,
-    /// per px.
+    /// For each axis of the path: G . axis / path_inverse_z, where G is the gradient of the inverse depth
+    /// 1/z' over the piece, per px.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
@@ -55,8 +55,8 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is a pixel's width in the
-    /// scene, in m (for a perspective camera, at 1 m).
+    /// Divides a group of moving objects with parallax into slices of depth. `across_per_px` is a pixel's
+    /// width in the scene, in m (for a perspective camera, at 1 m).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
@@ -65,7 +65,7 @@ class DepthSlices {
     /// Scale of depth slice k's path, relative to the group's path.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Window of all depth slices: the cells that contain the group at the recorded instant.
+    /// Raster cells that the group of objects covers at the recorded instant, for all depth slices.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

@@ -45,8 +45,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Overlapping parts of the group can have a total coverage above 1, which is scaled down to 1. Coverages
-    // up to `rounding` become 0.
+    // Overlapping parts of a moving object can have a total coverage above 1, which is scaled down to 1.
+    // Coverages up to `rounding` become 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -58,7 +58,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // Displacements outside `reach`, in cells, move the group's raster out of the frame. They are not drawn.
+    // Displacements outside `reach`, in cells, move the object's image out of the frame, so these parts of
+    // the path are not drawn.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -81,7 +82,8 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // Rounding the path to cells shifts the image by up to half a cell. A margin of 1 px allows for it.
+    // Rounding the path to raster cells shifts the image by up to half a cell, so its bounding box gets a
+    // margin of 1 px.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

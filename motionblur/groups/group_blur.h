@@ -19,8 +19,8 @@ class GroupBlur {
 
     /// Moves the whole group along its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Moves each depth slice along its own path, and sums the slices. They do not hide each other, because
-    /// they belong to one opaque surface.
+    /// Blurs each depth slice of an object along its own path, and adds the slices. They do not hide each
+    /// other, because they belong to one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:

@@ -90,8 +90,8 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // A group whose depths are all equal at this instant has no parallax, even if they differ at other
-        // instants.
+        // Objects whose depths are all equal at this instant have no parallax, even if their depths differ at
+        // other instants.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

@@ -17,7 +17,8 @@ struct MovingGroup {
     /// proportion to their inverse depth.
     double path_inverse_z = 0;
     bool has_parallax = false;
-    /// Displacement from the recorded position, in px. It is linear in time between these points.
+    /// The path on the screen: displacements from the recorded position, in px, linear in time between these
+    /// points.
     std::vector<PathPoint> path;
     std::size_t points = 0;        ///< number of the path's points before it was fitted
     std::size_t fitted_knots = 0;  ///< number of knots of the fitted path; 0 if the path is not fitted

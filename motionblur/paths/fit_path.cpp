@@ -58,8 +58,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are the control points' offsets from a straight line. Regularisation keeps undetermined
-    // offsets near 0.
+    // Fits the offsets of the cubic's control points from a straight line. Regularisation keeps offsets that
+    // the points do not determine near 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -213,8 +213,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimates the smallest possible number of segments: that of cubics that need not join, with twice the
-    // tolerance.
+    // Estimates the smallest possible number of spline segments: that of cubics that need not join, with
+    // twice the tolerance.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

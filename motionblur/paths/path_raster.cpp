@@ -23,7 +23,8 @@ struct Piece {
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Interpolates the value linearly. The result is exact for the default of 1.
+    /// Interpolates linearly between the values at the ends of the piece. If both are 1, the result is
+    /// exactly 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
@@ -37,7 +38,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns where the next cell begins, as a fraction of the piece, or infinity in the last cell.
+    /// Returns where the path enters the next cell, as a fraction of this straight piece, or infinity in the
+    /// last cell.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -84,8 +86,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // Rounding can move the ends of a far piece by more than half a cell. Clamping keeps them near the
-    // window.
+    // If the ends of a path's piece are far away, rounding can move its clipped ends by more than half a
+    // cell. Clamping keeps them near the raster.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -109,7 +111,8 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // A single instant uses one point of the path: the first at or after it, or else the last.
+        // An exposure of a single instant uses one point of the path: the first at or after it, or else the
+        // last.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -219,8 +222,9 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path is in this cell between the fractions `before` and `at` of the piece. The value at
-            // their middle weights the light, which is exact for constant transmittance.
+            // The path crosses this cell between the fractions `before` and `at` of a straight piece. The
+            // value in the middle weights the light, which is exact for constant transmittance of the
+            // shutter.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

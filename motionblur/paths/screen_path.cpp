@@ -113,8 +113,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // A chord over a step h has an error of at most c h^2 / 8. c is the largest second derivative, which a
-    // cubic has at one of its ends.
+    // The error of a chord over a time step h is at most c h^2 / 8, with the curve's largest second
+    // derivative c. A cubic has it at one of its ends.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;
@@ -180,7 +180,8 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // Halves all pieces before any is halved again, so that the limit on points affects all pieces equally.
+    // Halves all pieces of the path once before it halves any again, so that the limit on the number of
+    // points affects all equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

@@ -47,13 +47,13 @@ class ScreenPath {
     ScreenPath(PathKind kind, std::vector<PathKnot> knots, const std::string& source);
 
     [[nodiscard]] glm::dvec2 at(double time_s) const;
-    /// Returns points of the path from open_s to close_s. Linear interpolation in time between them has an
-    /// error of at most `tolerance_px`, so shape and speed are kept.
+    /// Approximates the path from open_s to close_s by points. Linear interpolation in time between them
+    /// keeps shape and speed, with an error of at most `tolerance_px`.
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
-    /// Returns the knots. The handles are 0 for a polyline, and those of the equivalent Bezier curve for
-    /// catmull_rom.
+    /// Returns the knots with their Bezier handles: 0 for a polyline, and those of the equivalent Bezier
+    /// curve for catmull_rom.
     [[nodiscard]] std::span<const PathKnot> knot_list() const { return knots_; }
     [[nodiscard]] PathKind kind() const { return kind_; }
 

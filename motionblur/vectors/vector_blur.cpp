@@ -111,8 +111,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Without enough static pixels, the background comes from the views. They must cover the whole image,
-        // so that a crop does not change it.
+        // If too few pixels are static, the background comes from the images at single instants. They must
+        // cover the whole image, so that a crop does not change it.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

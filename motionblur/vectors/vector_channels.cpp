@@ -24,8 +24,8 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // (Z, W) points back from the next frame to this one, with W upwards.
-                                // Negating Z gives the motion to the right and down.
+                                // The channels (Z, W) point from the next frame back to this one, with W
+                                // upwards. Negating Z gives the motion to the right and down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});

@@ -60,8 +60,8 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Parts of the file may have different windows. Pixels outside them are black, static and infinitely
-        // far away.
+        // Parts of an OpenEXR file may have different data windows. Pixels outside them are black, static and
+        // infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -90,14 +90,15 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and their motion vectors. Without a selected layer, the first
-    /// colours with motion vectors are used.
+    /// Finds the channels of the colours and of their motion vectors. If the user selects no layer, uses the
+    /// first colours with motion vectors.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no motion vectors, so the colours beside the first vectors are used.
+            // The file's first colours have no motion vectors, so the colours beside the first motion vectors
+            // are used.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -144,7 +145,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns if vectors may be encoded as colours, with 0.5 for no motion.
+    /// Warns if the motion vectors may be encoded as colours, where 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;

@@ -24,14 +24,15 @@ struct VectorPixel {
 
 struct VectorFrame {
     int width = 0, height = 0;  ///< size of the display window, px, which is the raster
-    /// Stored pixels, [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster.
+    /// Pixels that the file stores, [x_begin, x_end) x [y_begin, y_end). They may extend beyond the display
+    /// window.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<VectorPixel> pixels;  ///< row-major
     bool has_z = false, has_alpha = false;
     double largest_px = 0;  ///< length of the longest vector
     std::string u_name, v_name;
     std::string id_name;  ///< channel of the ids; empty if there are no ids
-    /// One line for each id channel or Cryptomatte that cannot be used.
+    /// One message for each id channel or Cryptomatte of the file that cannot be used.
     std::vector<std::string> problems;
     std::vector<std::string> assumed;  ///< one line for each assumption about the file
 

@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Bytes that sheets need per stored pixel. Twice as much must be available, because growing arrays
-        // reserve more than they use.
+        // Bytes needed for the surfaces made from one stored pixel. Twice as much must be available, because
+        // growing arrays reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,7 +59,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square, which all squares without stored pixels share.
+    /// Adds one black square of pixels, which all squares without stored pixels share.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -112,8 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // Finds the sheets: connected pixels that all move or all stand still, with depths close to the first
-        // pixel's.
+        // Divides a square of pixels into surfaces: connected pixels that all move or all stand still, with
+        // depths close to that of the first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -177,8 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Returns the velocity of the pixel corner that `dx` and `dy` (-1 or 1) select: the mean over the pixels
-    /// there that belong to the same surface.
+    /// Returns the velocity at the corner of pixel (x, y) that `dx` and `dy` (-1 or 1) select: the mean over
+    /// the adjacent pixels of the same surface.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -187,7 +187,7 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // A fixed order of summation gives bit-identical sums to all pixels at this corner.
+        // Adds in a fixed order, so that all pixels at this corner get bit-identical sums.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;
