@@ -53,8 +53,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Tell whether the image equals one of the two references, and whether the references are equal and show
-    // no noise. Set only if a second reference is given.
+    // Whether the image equals one of the two references, and whether the references are equal and therefore
+    // show no noise. Set only if a second reference is given.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // Enlarges the response's radius slightly: rounding might exclude a corner of the outline that lies on a
-    // pixel border.
+    // Enlarges the radius of the blur kernel slightly: rounding might exclude a corner of its outline that
+    // lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -82,8 +82,6 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // Returns a cell's corner, in lens radii. Cells of the last column and row end at the aperture image's
-    // border, so they can be smaller.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);

@@ -110,8 +110,6 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // Computes the partly covered pixels at both ends of the row. Their coverage is the sum of the signed
-    // areas to the right of the polygon's sides.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

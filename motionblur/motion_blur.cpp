@@ -67,8 +67,6 @@ class MotionBlur {
     }
 
   private:
-    // Returns true if the exposure is a single instant, that of the frame. The recorded image is then the
-    // result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
     }
@@ -87,8 +85,6 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Keeps in memory only the bands of pixel rows that show an object of `only`, or any object if `only`
-        // is empty.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
@@ -197,7 +193,7 @@ class MotionBlur {
     }
 
     /// Groups the objects that convolution will blur, and finds the surfaces in their pixel rows. With
-    /// `automatic`, the light field blurs groups for which depth slices are inaccurate.
+    /// `automatic`, the light field method blurs groups for which depth slices are inaccurate.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {

@@ -103,8 +103,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The series divides by zero at v = 0, and loses precision if u is small and v <= u. The slow
-    // lommel_intensity computes these samples.
+    // The series of Lommel functions divides by zero at v = 0, and loses precision if u is small and v <= u.
+    // The slow lommel_intensity computes these samples.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

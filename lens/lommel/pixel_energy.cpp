@@ -86,8 +86,6 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // Integrates the energy flow along a pixel border by two-point Gauss quadrature, with values from a
-        // table over the radius.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -118,7 +116,6 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // Skips pixel borders outside the grid, which the table of energy flow does not cover.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }

@@ -45,8 +45,6 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Fringes are averaged over three adjacent intervals, whose ends lie 1/2 and 3/2 widths from the radius.
-    // These distances are whole numbers of steps.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

@@ -73,7 +73,8 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop with refractive index 0 lies inside the medium in front of it.
+        // If the file gives the aperture stop a refractive index of 0, the stop lies in the medium in front
+        // of it.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

@@ -11,7 +11,8 @@ namespace postlens {
 /// n' is the refractive index behind the lens.
 struct FirstOrder {
     /// Equivalent focal length, negative for a diverging lens: an object at infinity, at a small angle t
-    /// (rad), has its image at the height efl t. The rear focal length is n' efl.
+    /// (rad), has its image at the height efl t. With the refractive index n' behind the lens, the rear focal
+    /// length is n' efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens

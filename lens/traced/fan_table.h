@@ -14,9 +14,9 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Traces impulse responses for inverse depths up to the given one or the inverse focus distance, and for
-    /// field tangents up to `widest_tangent`. They grow linearly beyond these depths, and stay constant
-    /// beyond these tangents.
+    /// Tabulates impulse responses for inverse depths up to the given one or the inverse focus distance, and
+    /// for field tangents up to `widest_tangent`. Responses grow linearly beyond these depths, and stay
+    /// constant beyond these tangents.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;

@@ -124,8 +124,6 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // Inverts the lens's distortion curve at film radius r: finds the tabulated interval, and then the
-    // tangent by Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
     double tangent = tangent_step_ * i;

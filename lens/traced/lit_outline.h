@@ -82,13 +82,11 @@ class LitOutline {
         }
     }
 
-    // Returns y of the centroid of the region in which rays pass the lens. `edge` outlines one of its two
-    // symmetric halves.
+    // Returns y of the centroid of the region of passing rays. `edge` outlines one of its two symmetric
+    // halves.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {
-            // Adds the area and the moment of the trapezium between one side of the outline and the symmetry
-            // axis.
             const glm::dvec2 &a = edge[j], &b = edge[j + 1];
             area += (a.x + b.x) / 2 * (a.y - b.y);
             moment += (a.y - b.y) * (a.x * (2 * a.y + b.y) + b.x * (a.y + 2 * b.y)) / 6;

@@ -43,8 +43,6 @@ ResponseGrid mesh_response(const PupilMesh& mesh, double pitch_mm) {
                 at[c] = raster(mesh.film_mm[corners[c]]);
                 energy += static_cast<double>(mesh.weight[corners[c]]);
             }
-            // Spreads the light of the cell between four traced rays over 4 x 4 points, interpolated between
-            // the rays' landing points.
             for (int b = 0; b < split; ++b) {
                 for (int a = 0; a < split; ++a) {
                     const double u = (a + 0.5) / split, v = (b + 0.5) / split;

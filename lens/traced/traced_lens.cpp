@@ -267,7 +267,6 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The edge of the region of passing rays is less than one grid step beyond the outermost passing ray.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -275,8 +274,6 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // Width, in the plane of the last lens surface, of the bundle of all rays from the paraxial exit pupil to
-    // the film.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -287,8 +284,6 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // Searches the whole square coarsely for rays that pass the lens. Up to three further searches refine
-        // the rectangle that contains them.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {

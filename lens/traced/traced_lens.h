@@ -108,7 +108,6 @@ class TracedLens {
     /// Finds the point of the entrance pupil's plane whose ray passes through the stop's centre [welford1986,
     /// 5]. The result is empty if there is none.
     [[nodiscard]] std::optional<glm::dvec2> aim_at_stop(double depth_m, glm::dvec2 field) const noexcept;
-    /// Returns the point where a ray behind the lens meets the film.
     [[nodiscard]] glm::dvec2 on_film(const LensRay& ray) const noexcept {
         return ray.at_z(film_from_vertex_mm_);
     }

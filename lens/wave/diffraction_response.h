@@ -21,8 +21,8 @@ struct DiffractionSettings {
     /// At 0.01, the grid ends about 8 Airy radii outside a strongly defocused disc.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
-    /// If true, the energy beyond the grid is distributed over its pixels, in proportion to their values. The
-    /// sum is then 1, else 1 - loss.
+    /// If true, the energy beyond the pixel grid is distributed over the grid's pixels, in proportion to
+    /// their values, so that they sum to 1.
     bool fold_tail = true;
     PixelEnergySettings pixels;
 };

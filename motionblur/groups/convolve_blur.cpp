@@ -15,8 +15,8 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// These static surfaces cover the fraction covered / known of the pixel. `known` is the weight of the
-    /// samples that record a surface at their depth or behind it.
+    /// The pixel's coverage by these static surfaces is covered / known. `known` is the weight of the samples
+    /// that record a surface at their depth or behind it.
     double covered = 0, known = 0;
 };
 
@@ -81,7 +81,6 @@ class Composite {
         }
     }
 
-    // Pixel columns of row y that the images of the moving objects cover, blurred or as recorded.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {

@@ -20,8 +20,6 @@ constexpr double step_px = 4;
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. Only corners that
 /// show the moving group count.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-    // Mean slope of the inverse depth along two opposite sides of a quadtree cell. Only sides with both
-    // corners on the moving object count.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
         int known = 0;
@@ -115,8 +113,8 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area is proportional to max(0, 1 + v), where v is linear in the displacement. Slices can
-    // only change linearly, so area * (1 - v / low), with the same mean, replaces it.
+    // A moving surface's projected area is proportional to max(0, 1 + v), where v is linear in the
+    // displacement. Slices can only change linearly, like area * (1 - v / low), which has the same mean.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }

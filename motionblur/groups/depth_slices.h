@@ -37,8 +37,8 @@ struct PathAxis {
 /// same integral.
 struct Stretch {
     double area = 1;
-    /// For each axis of the path: G . axis / path_inverse_z, where G is the gradient of the inverse depth
-    /// 1/z' over the piece, per px.
+    /// For each axis of the path: G . axis / path_inverse_z, where G is the gradient of the surface's inverse
+    /// depth 1/z', per px.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);

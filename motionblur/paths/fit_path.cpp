@@ -58,8 +58,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // Fits the offsets of the cubic's control points from a straight line. Regularisation keeps offsets that
-    // the points do not determine near 0.
+    // Fits the offsets of the cubic's control points from a straight line. Regularisation keeps offsets near
+    // 0 if the points do not determine them.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);

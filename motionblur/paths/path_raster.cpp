@@ -23,8 +23,6 @@ struct Piece {
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Interpolates linearly between the values at the ends of the piece. If both are 1, the result is
-    /// exactly 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }

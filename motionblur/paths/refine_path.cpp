@@ -163,7 +163,6 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // Stops if the error is small enough, far too large, or no longer decreases.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {
             for (std::size_t s = 0; s < worst.size(); ++s)

@@ -91,14 +91,12 @@ class Reader {
     }
 
     /// Finds the channels of the colours and of their motion vectors. If the user selects no layer, uses the
-    /// first colours with motion vectors.
+    /// first layer that has motion vectors.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The file's first colours have no motion vectors, so the colours beside the first motion vectors
-            // are used.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
