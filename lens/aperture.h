@@ -44,7 +44,7 @@ class Aperture {
     /// the image transmits no light.
     explicit Aperture(const Impulse& impulse, std::optional<AperturePicture> picture = std::nullopt);
 
-    /// Returns true for the unit disc without any modifier.
+    /// Returns true for a disc without squeeze, cat's-eye vignetting or spherical aberration.
     [[nodiscard]] bool is_round() const;
     /// Returns true if foreground and background blur of equal size look the same, because the aperture is
     /// symmetric about its centre.
@@ -52,9 +52,9 @@ class Aperture {
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
     [[nodiscard]] double spherical_per_m() const { return impulse_.spherical; }
-    /// Half the width and height of the bounding box.
+    /// Half the width and height of the aperture's bounding box, in lens radii.
     [[nodiscard]] glm::dvec2 half_extent() const { return half_extent_; }
-    /// Largest distance of a point of the aperture from its centre.
+    /// Largest distance of a point of the aperture from its centre, in lens radii.
     [[nodiscard]] double farthest() const { return farthest_; }
 
     /// Returns the outline of the light that passes the aperture, with cat's-eye vignetting at image position
@@ -81,7 +81,7 @@ class Aperture {
     /// aperture. Cat's-eye vignetting is ignored.
     [[nodiscard]] double transmittance(const glm::dvec2& q) const;
 
-    /// Hash of shape and modifiers.
+    /// Hash of the aperture's shape and settings.
     [[nodiscard]] std::uint64_t fingerprint() const;
 
   private:

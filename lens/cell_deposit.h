@@ -19,7 +19,7 @@ class CellDeposit {
     /// The energy of a polygon below 1e-5 px^2 is divided among the pixels at its centre and at the midpoints
     /// of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
-    /// Writes all sums to the grid.
+    /// Adds the energy of all polygons to the grid.
     void finish();
 
   private:

@@ -22,7 +22,7 @@ struct Ellipse {
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
     [[nodiscard]] double area_px2() const;
-    /// Half the width of the bounding box.
+    /// Half the width of the ellipse's bounding box.
     [[nodiscard]] double half_width() const;
 };
 
@@ -57,10 +57,10 @@ class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
 
-    /// The ellipse touches the rows y_begin() <= y < y_end().
+    /// The ellipse touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the value of a completely covered pixel.
+    /// Returns the fraction of the ellipse's area in a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
     /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
     /// `out`.

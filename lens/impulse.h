@@ -27,7 +27,7 @@ struct Impulse {
     std::vector<double> wavelengths_nm;  ///< for diffraction; if empty, several per channel
     std::filesystem::path file;          ///< for picture and lens
 
-    // The following apply to disc, polygon and picture.
+    // The following values apply to apertures that are a disc, a polygon or an image.
     double squeeze = 1;    ///< > 0; height / width of the aperture; the height is fixed
     double cats_eye = 0;   ///< >= 0, see Aperture
     double spherical = 0;  ///< 1/m, see Aperture

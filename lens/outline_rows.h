@@ -16,10 +16,10 @@ class OutlineRows {
     /// `outline` is a polygon in px, clockwise or anticlockwise, with an area of at least 1e-12 px^2.
     explicit OutlineRows(Outline outline);
 
-    /// The polygon touches the rows y_begin() <= y < y_end().
+    /// The polygon touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the value of a completely covered pixel.
+    /// Returns the fraction of the polygon's area in a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
     /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
     /// `out`.

@@ -175,7 +175,7 @@ class MotionBlur {
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
     }
 
-    // Rows of the raster over which a moving group passes.
+    // Pixel rows over which moving objects pass.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -394,7 +394,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // False for infinite times and if the subtraction overflows.
+    // The difference is not finite for infinite times, or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -171,7 +171,6 @@ class ShadowTest {
     }
 
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
-    /// Returns whether there are lights and moving objects.
     [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
     /// Sorted ids of objects whose shading changes, because they move relative to a light.
     [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }

@@ -28,7 +28,7 @@ class UnseenMotion {
     /// Returns false if the motion cannot change shadows, reflections or shading. If true, add all rows of
     /// the frame, and then get the warnings.
     [[nodiscard]] bool possible() const;
-    /// Adds the records of rows [y_begin, y_end) of `band`.
+    /// Tests the surfaces recorded in pixel rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] std::vector<MotionWarning> warnings() const;
 

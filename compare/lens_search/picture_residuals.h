@@ -16,13 +16,14 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. `expected_pictures` is for the progress display.
+    /// Keeps a reference to `file`. `expected_pictures`, the number of images to compute, is for the progress
+    /// display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
     /// Selects the pixels to compare. `pixels` has one entry per pixel, 0 for unused pixels.
     void use(const std::vector<char>& pixels);
-    /// Number of residuals, one per selected pixel.
+    /// Number of residuals (differences between the images), one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 

@@ -93,7 +93,7 @@ FlipFilters::FlipFilters(double pixels_per_degree) {
 
 FlipDisplay FlipDisplay::at_exposure(double stops) {
     FlipDisplay out;
-    // The clamp keeps the scale within the range of a float.
+    // The clamp keeps the exposure's factor within the range of a float.
     out.scale_ = static_cast<float>(std::exp2(std::clamp(stops, -120.0, 120.0)));
     out.n2_ = static_cast<float>(tone_n2);
     out.n1_ = static_cast<float>(tone_n1);
@@ -248,7 +248,7 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     filter(s.in[1], filters.red_green, filters.red_green, s.out[1]);
     filter(s.in[2], filters.blue_yellow_1_row, filters.blue_yellow_1_column, s.out[2]);
     filter(s.in[2], filters.blue_yellow_2_row, filters.blue_yellow_2_column, s.out[3]);
-    // Both detectors need the same Gaussian along rows.
+    // The detectors of edges and of points need the same Gaussian along rows.
     filter_rows(s.in[0], s.rows, filters.gauss, s.half);
     filter_columns(s.half, filters.edge, s.out[5]);
     filter_columns(s.half, filters.point, s.out[7]);

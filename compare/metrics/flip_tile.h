@@ -25,7 +25,7 @@ struct FlipFilters {
 /// Maps linear values to displayed values within 0..1.
 class FlipDisplay {
   public:
-    /// Makes a display that only clamps the values.
+    /// Makes a mapping that only clamps values to 0..1.
     FlipDisplay() = default;
     /// Returns the mapping of HDR-FLIP for one exposure: multiplication by 2^stops, then the tone curve.
     static FlipDisplay at_exposure(double stops);

@@ -52,7 +52,6 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
             sum += middle_weights[static_cast<std::size_t>(m)] * (slope(k - m) + slope(k + 1 + m));
         }
         within_[i + 1] = within_[i] + step_ * sum;
-        // Integrates the cubic Hermite polynomial over the step.
         within_sum_[i + 1] = within_sum_[i] + step_ * (within_[i] + within_[i + 1]) / 2 +
                              step_ * step_ * (slope(k) - slope(k + 1)) / 12;
     }

@@ -21,7 +21,7 @@ class RadialEnergy {
     /// at least `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
-    /// Makes its own tables of Bessel functions.
+    /// Like the constructor above, but makes its own tables of Bessel functions.
     RadialEnergy(double u, double v_end);
 
     [[nodiscard]] double u() const { return u_; }
@@ -32,7 +32,7 @@ class RadialEnergy {
     /// Returns the integral of the encircled energy `within` from 0 to v. Its differences give means over
     /// intervals, without narrow diffraction fringes.
     [[nodiscard]] double within_integral(double v) const;
-    /// I(u, v) at v = i step(); I(0, 0) is 1.
+    /// Returns the intensity at optical radii v = i step(), relative to the peak in focus.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 

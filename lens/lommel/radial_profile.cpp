@@ -60,7 +60,6 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
             const double steps = static_cast<double>(i) - static_cast<double>(three);
             integral[i] = p.energy->within_integral((begin_px + steps * width_px / row_steps) * p.v_per_px);
         }
-        // Same formula as in smoothed_within.
         const double scale = p.weight / (24 * w);
         for (std::size_t i = 0; i < count; ++i) {
             out[i] += scale * (27 * (integral[i + three + half] - integral[i + three - half]) -

@@ -17,9 +17,9 @@ class RadialProfile {
     };
     explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-    /// Radius, in px, up to which all tables extend.
+    /// Radius, in px, up to which the profile is known.
     [[nodiscard]] double end_px() const;
-    /// Largest v_per_px of all parts.
+    /// Optical radius v per px; the largest of all wavelengths.
     [[nodiscard]] double v_per_px() const;
 
     /// Returns the fraction of the energy within a radius from 0 to end_px(), in px.

@@ -41,7 +41,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         const std::string_view content = line.text.substr(0, line.text.find('#'));
         const auto words = words_of(content);
         if (words.empty()) {
-            // The first comment is the name of the lens.
+            // The first comment of the file is the name of the lens.
             const std::size_t at = line.text.find_first_not_of("# \t");
             if (lens.name.empty() && lens.surfaces.empty() && at != std::string_view::npos) {
                 const std::string_view words_only = line.text.substr(at);

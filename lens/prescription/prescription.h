@@ -62,7 +62,7 @@ struct Prescription {
     /// Returns the refractive index between the last surface and the film. It differs from 1 in an eye or
     /// under water.
     [[nodiscard]] double image_index(double at_nm) const { return surfaces.back().glass.index(at_nm); }
-    /// Returns the distance from the first vertex to the last.
+    /// Returns the distance from the first lens surface's vertex to the last.
     [[nodiscard]] double length_mm() const;
 };
 

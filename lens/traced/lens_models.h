@@ -56,7 +56,7 @@ struct PolynomialLens {
     /// Computes where a ray lands on the film, for a depth > 0 and a field tangent >= 0 along +y. `pupil_mm`
     /// is on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
-    /// Evaluates the terms for x and for y.
+    /// Evaluates the polynomial's terms for the landing point's x and y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                       std::array<double, polynomial_terms>& y);
 };

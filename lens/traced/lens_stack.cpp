@@ -105,7 +105,7 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // False for NaN, so such rays count as vignetted.
+    // The comparison is false for NaN, so such rays count as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;

@@ -51,7 +51,7 @@ LensView::LensView(const Prescription& prescription, const LensViewSettings& set
         .zoom = distance_mm / film.distance_mm};
     const double widest = std::max(settings.half_diagonal_px / geometry_.gain_px, settings.widest_tangent);
     follow_chief_rays(*lens_, widest);
-    // 1.0001 protects the image corner from rounding.
+    // The factor 1.0001 keeps the image's corner inside despite rounding.
     traced.film_radius_mm = 1.0001 * film_radius_mm(widest);
     lens_.emplace(prescription, traced);
 }
@@ -88,12 +88,12 @@ double LensView::light(double tangent) const {
     double sum = 0;
     for (std::size_t j = 0; j + 1 < edge.size(); ++j) {
         const dvec2 a = edge[j] - middle, b = edge[j + 1] - middle;
-        // The mean of the three midpoints integrates second-degree polynomials exactly.
+        // The mean over the midpoints of a triangle's sides integrates second-degree polynomials exactly.
         const double mean =
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
     }
-    // The region is symmetric, and only one half was integrated.
+    // The region of passing rays is symmetric, and only one half was integrated.
     return 2 * sum;
 }
 

@@ -53,7 +53,7 @@ class LensView {
 
     /// Returns how far from the film centre the chief ray from direction `tangent` >= 0 lands, in mm.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
-    /// Derivative of film_radius_mm.
+    /// Derivative of film_radius_mm with respect to the tangent.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
     /// Inverts the lens's distortion: returns the direction that a film point shows, as tangents in camera
     /// axes (x right, y up).

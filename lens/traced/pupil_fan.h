@@ -17,7 +17,7 @@ namespace postlens {
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
-    /// Rings are closer together towards the edge, where aberrations grow fastest.
+    /// Rings of rays are closer together towards the pupil's edge, where aberrations grow fastest.
     [[nodiscard]] static double ring_radius(std::size_t ring) {
         return std::pow(static_cast<double>(ring) / rings, 0.6);
     }

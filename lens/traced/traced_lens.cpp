@@ -320,7 +320,6 @@ void TracedLens::find_rear_boxes() {
 bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcept {
     const double r = glm::length(film_mm);
     const auto zone = static_cast<std::size_t>(r / settings_.film_radius_mm * rear_zones);
-    // A film point exactly at film_radius_mm belongs to the last zone.
     if (!(r <= settings_.film_radius_mm)) return false;
     const Box& box = rear_boxes_[std::min(zone, rear_zones - 1)];
     if (box.empty()) return false;

@@ -102,7 +102,7 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // Solves (2/pi) v / (v^2 - u^2) = tail for v.
+    // The energy beyond the optical radius v is about (2/pi) v / (v^2 - u^2). Solves for v.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }
@@ -116,7 +116,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // Computes all sizes first, so that insufficient memory is reported early.
+    // Computes the sizes of all responses first, so that insufficient memory is reported early.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

@@ -215,7 +215,7 @@ class DirectConvolution {
                 std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
                           values_[p].data() + r * stride_ + (c.begin - begin_));
                 if (!runs_.any_long) continue;
-                // running[i] is the sum of all values before index i.
+                // `running[i]` becomes the sum of the row's values before index i.
                 const float* from = values_[p].data() + r * stride_;
                 double* running = running_[p].data() + r * stride_;
                 double sum = 0;
@@ -256,7 +256,7 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // Skips this row if the tile would read only zeros.
+            // Skips this row of the path if only zeros of the object would be read.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -324,7 +324,7 @@ double direct_cost_s(const ConvolutionTask& task) {
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
-    // Share of the full result that is computed.
+    // Fraction of the full convolution's result that is computed.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
     // Times measured with the benchmark `one_object/direct`. Copying more than `large_values` values is

@@ -29,7 +29,7 @@ struct Axis {
 /// Returns the smallest transform size that gives correct result cells [x0, x1). The transform is periodic,
 /// and its copies must not overlap these cells.
 int needed_size(const Axis& axis, int x0, int x1) {
-    // The object's cells [a, b) contribute.
+    // Only the object's cells [a, b) contribute to the result cells [x0, x1).
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -280,7 +280,7 @@ class FftConvolution {
             const int begin = std::max(c.begin, block.x_begin - p.x_end + 1);
             const int end = std::min(c.end, block.x_end - p.x_begin);
             if (begin >= end) continue;
-            // The row wraps around the end at most once.
+            // Indices are modulo the FFT's size, and a row passes its end at most once.
             const std::size_t at = wrapped(begin - block.x_begin, x_.size);
             const std::size_t count = static_cast<std::size_t>(end - begin),
                               before = std::min(count, width_ - at);

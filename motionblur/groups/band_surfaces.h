@@ -17,7 +17,7 @@ struct BandSurfaces {
     PixelLeaves leaves;
     SampleSurfaces surfaces;
 
-    /// Calls on_leaf(leaf) for each quadtree leaf of a pixel.
+    /// Calls on_leaf(leaf) for each undivided quadtree cell of pixel (x, y).
     template <typename OnLeaf>
     void for_each_leaf(int x, int y, const OnLeaf& on_leaf) const {
         const std::size_t k = static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +

@@ -62,7 +62,7 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Fills unrecorded background from the farthest static surfaces around it.
+    // Fills background that is not recorded from the farthest static surfaces around it.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);

@@ -62,14 +62,14 @@ class DepthSlices {
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Scale of depth slice k's path, relative to the group's path.
+    /// Returns the factor that scales the object's path to the path of depth slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     /// Raster cells that the group of objects covers at the recorded instant, for all depth slices.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// The quarter of a leaf at one of its corners.
+    /// The quarter of a quadtree cell at one of its corners, in a sample's colour.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

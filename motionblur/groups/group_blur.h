@@ -17,7 +17,7 @@ class GroupBlur {
     GroupBlur(int width, int height, int cells_per_px, const Exposure& exposure, const ShutterCurve& curve)
         : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
 
-    /// Moves the whole group along its path.
+    /// Blurs all depths of a group of objects along one path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
     /// Blurs each depth slice of an object along its own path, and adds the slices. They do not hide each
     /// other, because they belong to one opaque surface.

@@ -34,7 +34,7 @@ PassedBox passed_box(const MovingGroup& group) {
 
 double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                    const MovingGroup& group) {
-    // Relative tolerance for depths, which the records store as rounded floats.
+    // Relative tolerance for depths, which the file stores as rounded floats.
     constexpr double rounding = 1e-5;
     const double far = group.extent.inverse_z_min * (1 + rounding),
                  near = group.extent.inverse_z_max * (1 - rounding);

@@ -120,7 +120,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
-        // Cuts off the parts before and after the exposure.
+        // Cuts off the parts of the path before and after the exposure.
         const auto along = [&](double time_s) {
             return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
@@ -149,7 +149,7 @@ void check(std::span<const PathPoint> points, dvec2 origin_px, double open_s, do
     }
     for (const PathPoint& p : points) {
         const dvec2 cells = static_cast<double>(cells_per_px) * (p.at_px - origin_px);
-        // These comparisons are false for NaN.
+        // The comparisons are false for NaN, so that NaN is rejected.
         const bool near = std::abs(cells.x) <= farthest_cell && std::abs(cells.y) <= farthest_cell;
         if (!near || !std::isfinite(p.time_s)) {
             fail(ExitCode::wrong_arguments,

@@ -75,7 +75,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
             problem.SetParameterBlockConstant(time_s);
             continue;
         }
-        // The bounds keep neighbouring knots apart.
+        // The bounds keep the times of neighbouring spline knots apart.
         constexpr double leeway = 0.3;
         problem.SetParameterLowerBound(time_s, 0, *time_s - leeway * (*time_s - knots[k - 1].time_s));
         problem.SetParameterUpperBound(time_s, 0, *time_s + leeway * (knots[k + 1].time_s - *time_s));
@@ -146,7 +146,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // Adds each segment's worst point to the least-squares problem.
+        // Adds the point with the largest error of each spline segment to the least-squares problem.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {

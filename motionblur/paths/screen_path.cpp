@@ -138,7 +138,7 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
         const auto pieces = static_cast<int>(std::max(1.0, std::floor(thinning * pieces_of(i))));
         for (int p = 1; p <= pieces; ++p) {
             const double time_s = p == pieces ? end_s : begin_s + (end_s - begin_s) * p / pieces;
-            // Instants that rounding makes equal become a single point.
+            // Instants that rounding makes equal become a single point of the path.
             if (time_s > out.back().time_s) out.push_back({time_s, at(time_s)});
         }
     }

@@ -9,7 +9,8 @@ namespace postlens {
 struct VectorBlurSettings {
     Exposure exposure;  ///< in frames: 0 is the instant of the image, and 1 that of the next frame
     ShutterCurve curve = ShutterCurve::box();
-    /// Number of instants, 1..most_views. If absent, the largest displacement determines it.
+    /// Number of instants whose images are averaged, 1..most_views. If absent, the largest displacement
+    /// determines it.
     std::optional<int> views;
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };

@@ -11,7 +11,7 @@
 namespace postlens {
 
 struct VectorChoice {
-    /// If absent, the channels are found by well-known names.
+    /// Names of the motion vector channels. If absent, well-known names are searched for.
     std::optional<std::pair<std::string, std::string>> channels;
     /// Displacement, in px to the right and down, per unit of the motion vector channels. If absent, the
     /// channels' names determine it.

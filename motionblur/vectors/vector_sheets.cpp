@@ -91,7 +91,7 @@ class SheetMaker {
         }
         struct Cell {
             const VectorPixel* pixel = nullptr;
-            /// Velocities of the corners: up-left, up-right, down-left, down-right.
+            /// Velocities of the pixel's corners: up-left, up-right, down-left, down-right.
             std::array<glm::vec2, 4> velocity{};
             bool still = true, taken = false;
         };
