@@ -26,12 +26,12 @@ struct LensFromPicture {
     double reliable_share = 0;  ///< fraction of the pixels that were compared; see `reliable_pixels`
     double largest_coc_px = 0;  ///< largest diameter of a circle of confusion
     int pictures = 0;           ///< number of images that `focus` computed
-    std::vector<LensCandidate> others;  ///< further minima that fit nearly as well, best first
+    std::vector<LensCandidate> others;  ///< further lenses that fit nearly as well, best first
 };
 
 struct LensFromPictureSettings {
     Impulse impulse;  ///< the shape of the aperture
-    int starts = 3;   ///< number of minima of the coarse search that are refined, 1 to 16
+    int starts = 3;   ///< number of rough matches that are refined, 1 to 16
 };
 
 /// Finds the lens with which `focus` (method scatter, 256 depths) reproduces the image. The lens is fitted by

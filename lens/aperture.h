@@ -99,11 +99,12 @@ class Aperture {
     std::optional<AperturePicture> picture_;
     glm::dvec2 half_extent_{1};
     double farthest_ = 1;
-    double most_light_ = 1;                       ///< largest value of picture_
-    Outline rim_;                                 ///< fine polygon from which sample() draws
-    std::vector<double> rim_light_;               ///< running sums of triangle areas (centre, side of rim_)
-    std::vector<double> row_light_, cell_light_;  ///< running sums over rows, and over cells in each row
-    std::vector<float> transmission_;             ///< empty if the second rim blocks nothing
+    double most_light_ = 1;          ///< largest value of picture_
+    Outline rim_;                    ///< fine polygon from which sample() draws
+    std::vector<double> rim_light_;  ///< running sums of the areas of the triangles between centre and rim_
+    std::vector<double> row_light_,
+        cell_light_;                   ///< running sums of an aperture image's light: by row, and within rows
+    std::vector<float> transmission_;  ///< table of cat's-eye transmission; empty if not needed
 };
 
 }  // namespace postlens

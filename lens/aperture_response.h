@@ -17,7 +17,7 @@ struct ApertureImage {
     double spherical_px = 0;
     glm::dvec2 field{0};      ///< position in the field, see Aperture
     double rim_scale = 1;     ///< of the second rim, see Aperture
-    glm::dvec2 centre_px{0};  ///< relative to the anchor
+    glm::dvec2 centre_px{0};  ///< the point's image, px from the response's raster position
 };
 
 /// A rectangle of pixels, [x_begin, x_end) x [y_begin, y_end). Coordinates are relative to the anchor, a

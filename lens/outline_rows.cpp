@@ -10,7 +10,7 @@ namespace {
 
 /// The part of a polygon's side that lies within one row of pixels.
 struct Piece {
-    double x_low, x_high;  ///< x coordinates of its two ends
+    double x_low, x_high;  ///< x coordinates of the two ends of the piece of outline
     double height;         ///< positive height times the `sign` of the side
 };
 

@@ -377,9 +377,9 @@ class MotionBlur {
     const MotionBlurSettings& settings_;
     FrameMotion motion_;
     RecordBands bands_;
-    std::vector<IdExtents> extents_;      ///< at every recorded instant
-    std::vector<MovingGroup> groups_;     ///< groups to convolve
-    std::vector<BandSurfaces> surfaces_;  ///< surfaces of the rows that the groups touch
+    std::vector<IdExtents> extents_;      ///< bounding boxes of the objects at every recorded instant
+    std::vector<MovingGroup> groups_;     ///< groups of objects to blur by convolution
+    std::vector<BandSurfaces> surfaces_;  ///< surfaces in the pixel rows over which these groups pass
     std::vector<IdMotion> motions_;       ///< sorted by id, as result_.objects
     std::vector<std::uint8_t> touched_;
     std::vector<float> unknown_;

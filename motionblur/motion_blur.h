@@ -24,8 +24,8 @@ struct MotionBlurSettings {
     Exposure exposure;  ///< in seconds on the scene's clock, with open <= close
     ShutterCurve curve = ShutterCurve::box();
     MotionMethod method = MotionMethod::automatic;
-    std::optional<int> views;       ///< number of views of lightfield
-    std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
+    std::optional<int> views;       ///< number of instants that method lightfield averages
+    std::vector<ObjectPath> paths;  ///< replace the motion that the file states for these objects
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
     /// Part of the image to compute, bit-identical to this part of the whole image. Other pixels are
     /// undefined. Fractions of pixels in MotionBlurResult refer to this part.
@@ -45,7 +45,7 @@ struct ObjectReport {
     MotionMethod method = MotionMethod::automatic;  ///< `automatic` if the id needs no method or has none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
-    int slices = 0;  ///< number of depth slices of convolve
+    int slices = 0;  ///< number of depth slices that method convolve blurs
     /// The path that convolution uses: its number of points, the number of knots of the spline fitted to it
     /// (0 if none), and the error of the fit.
     std::size_t path_points = 0, fitted_knots = 0;
@@ -57,7 +57,7 @@ struct MotionBlurResult {
     Image image;
     /// `automatic` if both methods were used, or if nothing moves.
     MotionMethod method = MotionMethod::automatic;
-    int views = 0;             ///< number of views of lightfield, or 0 if it was not used
+    int views = 0;             ///< number of instants that method lightfield averaged; 0 if it was not used
     double touched_share = 0;  ///< share of the pixels over which an object moves
     std::vector<ObjectReport> objects;
     std::vector<MotionWarning> warnings;

@@ -47,7 +47,7 @@ struct IdMotion {
     /// proportion to the inverse depth.
     double bend_px = 0;
     RasterPoint centre;
-    double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m
+    double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m
 };
 
 /// Returns the ids of the objects that move, in the order of `ids`.

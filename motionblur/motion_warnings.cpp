@@ -198,7 +198,7 @@ class ShadowTest {
     bool is_perspective_;
     glm::dmat4 world_from_raster_;
     std::vector<MovingSphere> spheres_;
-    std::vector<MovingLight> lights_;  ///< those that cast shadows
+    std::vector<MovingLight> lights_;  ///< lights that cast shadows
     std::vector<std::uint32_t> relit_;
     bool lit_objects_move_ = false;
 };

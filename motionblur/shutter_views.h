@@ -18,7 +18,7 @@ inline constexpr int most_places = 64;
 /// Automatic numbers of views M. They are prime, because a motion that repeats k times shows only M / gcd(M,
 /// k) phases.
 inline constexpr std::array automatic_views{131, 257, 521};
-inline constexpr int most_views = 4096;  ///< largest number of views that a user may set
+inline constexpr int most_views = 4096;  ///< largest number of instants (views) that a user may set
 
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);

@@ -23,7 +23,7 @@ struct PixelErrors {
     double relmse_trimmed = 0;  ///< relmse without the floor(N/1000) pixels of largest error, of N pixels
     /// 10 log10(1 / mean squared difference of sRGB values); infinite for equal images
     double psnr_db = 0;
-    std::size_t pixels = 0;  ///< number N of pixels that count
+    std::size_t pixels = 0;  ///< number N of compared pixels
 };
 
 /// relMSE divides by b^2 plus this constant, so that black pixels have a finite error.

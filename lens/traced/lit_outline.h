@@ -18,7 +18,7 @@ namespace postlens {
 template <class Passes>
 class LitOutline {
   public:
-    static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
+    static constexpr std::size_t spokes = 48;  ///< directions over half a turn, from +y to -y
     using Edge = std::array<glm::dvec2, spokes + 1>;
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}

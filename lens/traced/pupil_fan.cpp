@@ -75,8 +75,8 @@ namespace {
 
 /// A ray of the fan with its landing point on the raster.
 struct Placed {
-    dvec2 px{0};     ///< landing point, px relative to the anchor
-    dvec2 pupil{0};  ///< same as in the node of the fan
+    dvec2 px{0};     ///< landing point, px from the response's raster position
+    dvec2 pupil{0};  ///< where the ray passes the pupil
     double light = 0;
 };
 

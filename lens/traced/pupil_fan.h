@@ -16,7 +16,7 @@ namespace postlens {
 /// pupil, from its centre to its edge.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
-    static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
+    static constexpr std::size_t spokes = 48;  ///< directions over half a turn of the pupil, from +y to -y
     /// Rings of rays are closer together towards the pupil's edge, where aberrations grow fastest.
     [[nodiscard]] static double ring_radius(std::size_t ring) {
         return std::pow(static_cast<double>(ring) / rings, 0.6);
@@ -49,7 +49,7 @@ struct FanImage {
     glm::dmat2 further_px_m{
         0};                   ///< shift of a ray's landing point by mirrors and glass, per metre on the pupil
     glm::dvec2 axis{0, 1};    ///< unit vector on the raster from the image centre to the object point
-    glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
+    glm::dvec2 centre_px{0};  ///< pinhole image of the object point, px from the response's raster position
 };
 
 /// Returns the largest distance, in px, between the object point's pinhole image and the response's light.

@@ -43,7 +43,7 @@ struct SceneRay {
 /// An object point's impulse response, as a grid of rays through the entrance pupil. A mesh that is filled
 /// again reuses its memory.
 struct PupilMesh {
-    int nodes = 0;                     ///< along each side; node (i, j) has the index j * nodes + i
+    int nodes = 0;  ///< rays along each side of the grid; ray (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
     std::vector<glm::dvec2>
         film_mm;  ///< landing point relative to `chief_film_mm`; 0 if the ray does not pass

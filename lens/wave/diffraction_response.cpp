@@ -66,7 +66,7 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
 /// Sizes of the grids and tables for one depth, computed before memory is allocated.
 struct Plan {
     double radius_px = 0;
-    ResponseGrid window;  ///< only its size, without values
+    ResponseGrid window;  ///< pixels of the response, without values
     double reach_px = 0;
 };
 

@@ -14,7 +14,7 @@ namespace postlens {
 
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
-    double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
+    double centre_x = 0, centre_y = 0;  ///< point's geometric image, px from the response's raster position
     /// Largest fraction of the energy, between 0 and 1, that may lie beyond the edge of the pixel grid.
     /// Energy decreases only as 1 / radius, so small fractions need large grids.
     ///

@@ -173,7 +173,7 @@ class Composite {
     const std::vector<GroupPicture>&blurred_, &recorded_;
     const Image& still_;
     ConvolveBlur& out_;
-    std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
+    std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
 /// Bounds the squared covariance of the nearer group's coverage and the farther group's light, summed over

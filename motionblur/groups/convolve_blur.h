@@ -15,16 +15,16 @@ namespace postlens {
 /// The error where two moving groups cross. Compositing assumes that one group's coverage of a pixel is
 /// independent of the other's light, which is wrong if both change.
 struct Crossing {
-    std::size_t other = 0;  ///< the group with the largest `most_mse`
+    std::size_t other = 0;  ///< index of the crossing group with the largest error
     /// Upper bound of the mean squared error over the pixels of the moving group, for radiances up to 1.
     double most_mse = 0;
 };
 
 struct ConvolveBlur {
     Image image;                        ///< equal to `still` in pixels over which nothing moves
-    std::vector<std::uint8_t> touched;  ///< 1 if a group moves over the pixel or was recorded in it
-    std::vector<float> unknown;         ///< share of a pixel's light that comes from an unrecorded background
-    std::vector<Crossing> crossings;    ///< one per group
+    std::vector<std::uint8_t> touched;  ///< 1 if a moving object passes over the pixel or was recorded in it
+    std::vector<float> unknown;         ///< fraction of a pixel's light from background that is not recorded
+    std::vector<Crossing> crossings;    ///< one per group of moving objects
 };
 
 /// Blurs groups of objects that share a path. Each pixel is composited front to back, in the order of groups

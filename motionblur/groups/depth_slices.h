@@ -73,7 +73,7 @@ class DepthSlices {
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;
-        float nearer = 0;  ///< from 0 to 1: position between its slice and the next nearer one
+        float nearer = 0;  ///< from 0 to 1: depth between its slice and the next nearer one
         float area = 1;    ///< Stretch::area plus, for each axis, the rate times low_px
         std::array<float, 2> rate{};
     };

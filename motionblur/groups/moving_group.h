@@ -12,7 +12,7 @@ namespace postlens {
 struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
-    double inverse_z = 0;  ///< mean inverse depth of the group's records, 1/m; groups are sorted by it
+    double inverse_z = 0;  ///< mean inverse depth of the recorded samples, 1/m; groups are sorted by it
     /// Inverse depth, in 1/m, of the points that move along `path`. With parallax, other points move in
     /// proportion to their inverse depth.
     double path_inverse_z = 0;
