@@ -146,8 +146,6 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // Finds the ellipse's leftmost and rightmost points in this row of pixels. They lie on the row's borders,
-    // unless an extreme point of the whole ellipse is in this row.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));

@@ -75,8 +75,6 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Ray transfer matrix from the first lens surface to the aperture stop, without refraction at the stop
-    // itself.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));

@@ -46,8 +46,6 @@ class LitOutline {
         return {std::sin(angle), std::cos(angle)};
     }
 
-    // Tests a coarse grid of rays through the lens, and chooses the passing ray nearest to the mean of all
-    // passing rays.
     [[nodiscard]] bool search(glm::dvec2& near) const {
         std::vector<glm::dvec2> found;
         glm::dvec2 sum(0);

@@ -380,7 +380,6 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search makes the rectangle of passing rays tight.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);

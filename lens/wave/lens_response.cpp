@@ -149,7 +149,6 @@ void make_disc(LensResponse& out, int size_px) {
 /// Computes the response of any aperture. It is not round, so there is no radial profile.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Maps the rim of the lens (1 lens radius) to the edge of the circle of confusion.
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};

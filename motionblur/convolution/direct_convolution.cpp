@@ -227,8 +227,6 @@ class DirectConvolution {
         });
     }
 
-    /// Lists the operations for each row of the path's image. A short run of equal cells becomes one CellTerm
-    /// per cell, and a long run becomes one RunTerm.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {

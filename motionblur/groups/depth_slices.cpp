@@ -151,7 +151,6 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    // Reserves memory for the largest possible number of pieces. Memory that is never written costs nothing.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     for_each_leaf_of(band, table, g, window_, cells_per_px_,
                      [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {

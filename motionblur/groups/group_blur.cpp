@@ -30,7 +30,6 @@ GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) const 
 
 GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) const {
     GroupPicture out = nothing_over(slices, group);
-    // Coordinates of the path's points along each axis, measured from the path's smallest coordinate.
     std::vector<std::vector<double>> along;
     for (const PathAxis& axis : slices.axes()) {
         along.emplace_back();

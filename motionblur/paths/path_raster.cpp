@@ -120,7 +120,6 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
-        // Cuts off the parts of the path before and after the exposure.
         const auto along = [&](double time_s) {
             return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
