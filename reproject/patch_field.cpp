@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether rays are faster than drawing this piece's reflected and transmitted patches (planar parts of
-    /// surfaces). Empty until computed.
+    /// Whether this image square has so many reflected and transmitted surfaces that tracing rays is faster
+    /// than drawing them. Empty until computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -83,7 +83,8 @@ class Field {
     }
 
   private:
-    /// Draws a square part of a tile. (x, y) is its upper left corner, in px from the tile's corner.
+    /// Draws a square part of a 64 px tile. (x, y) is the part's upper left corner, in px from the tile's
+    /// corner.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -102,8 +103,6 @@ class Field {
         }
     }
 
-    /// Collects, once per piece, the patches (planar parts of surfaces) that may appear in `rect`. `rays` may
-    /// be null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -204,8 +203,6 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// The motion of each patch (planar part of a surface) of a tile, from the recorded instant to the view's
-    /// instant.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -258,8 +255,8 @@ class Field {
         }
     }
 
-    /// Clears the pixels in which an unrecorded object beyond the raster's border may hide the recorded
-    /// surface.
+    /// Discards a pixel's recorded surface if an unrecorded object just outside the recorded image area might
+    /// hide it.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -281,8 +278,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Surfaces may hide highlights. So with highlights, surfaces are drawn even if rays replace all
-        // samples.
+        // If highlights are added, surfaces are needed to hide them, even if traced rays replace the colour
+        // of every pixel.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -311,8 +308,8 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // If both recorded instants show the same surface in a pixel, their colours are blended. Otherwise
-        // the nearer surface counts.
+        // A view may lie between two recorded instants. Where they show the same surface, their colours are
+        // blended; elsewhere the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -327,8 +324,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must use one recorded instant, and its lens must
-    /// transmit light to all pixels.
+    /// Fast case of add_some: the image is made from one recorded instant, and the lens does not vignette
+    /// (PatchView::passes).
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -336,8 +333,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Like add_all, but adds only the pixels that come from recorded instant `u`. Pixels to which the lens
-    /// transmits no light add black.
+    /// Adds the colours that recorded instant `u` contributes to the pixels of this view. Vignetted pixels
+    /// (PatchView::passes) add black.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;
@@ -360,8 +357,6 @@ class Field {
         }
     }
 
-    /// Adds the light that the visible surface reflects and transmits in pixel k. `texel` is the index of the
-    /// surface's recorded colour.
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

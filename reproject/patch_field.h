@@ -30,22 +30,21 @@ struct PatchView {
     struct Use {
         std::size_t instant = 0;
         double share = 1;  ///< weight of the colour at this instant if both instants show the same surface
-        /// Motions from the recorded instant to the view's instant, one per class of objects that move alike.
-        /// Empty if nothing moves.
+        /// Motions on the raster from the time of recording to the time of this view, one per group of
+        /// objects that move alike. Empty if nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
     LensShift lens;         ///< shift by the lens, applied after the motion
-    /// Whether the lens transmits light to pixel (x, y) of the image. All other pixels are black. If empty,
-    /// all pixels get light.
+    /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
+    /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Members of SightLine for this view's rays; `number` is SightLine::view. Only used if rays are traced.
+    // Copied into the rays (SightLine) that are traced for this view; `number` becomes SightLine::view.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
     std::uint32_t number = 0;
 
-    /// Returns whether anything moves between the recorded instants and the view's instant.
     [[nodiscard]] bool moves() const {
         return std::any_of(uses.begin(), uses.end(), [](const Use& use) {
             return std::any_of(use.motions.begin(), use.motions.end(),
@@ -64,50 +63,50 @@ enum class LeftToRays : std::uint8_t {
 /// A set of views. Their mean is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Selects the pieces (squares with an edge of PatchField::piece_px) that this set of views draws. If
-    /// empty, the set draws all pieces.
+    /// Returns whether this set draws the image square whose upper left pixel is (x, y). If empty, the set
+    /// draws all squares.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights (bright spots that the lens spreads over many pixels) to the image. Null if there are
-    /// none. Called by several threads.
+    /// Adds highlights (small bright spots, which the lens blurs over many pixels) to the image. May be null.
+    /// Called by several threads.
     const class Lights* lights = nullptr;
-    /// Ray tracer for the samples whose colour the records do not determine. If null, all samples keep their
-    /// recorded colours.
+    /// Traces the samples whose colour the recorded surfaces do not determine, such as those at edges. If
+    /// null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns what rays replace in the image square that contains pixel (x, y). If empty, it is
-    /// LeftToRays::unsure. Only used with `rays`.
+    /// Returns which samples rays replace in the image square that contains pixel (x, y). If empty,
+    /// LeftToRays::unsure holds.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Appends to `views` the indices of the views whose samples in pixel (x, y) are compared with rays
-    /// (PatchPicture::checks). May be empty. Only used with `rays`.
+    /// Selects views whose recorded colour in pixel (x, y) is compared with a traced ray, to measure the
+    /// error. Appends their indices. Optional; needs `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Returns the probability with which pixel (x, y) was selected to check its highlights by rays aimed at
-    /// them; 0 if it was not. May be empty. Only used with `checked`.
+    /// Returns the probability with which pixel (x, y) was selected for extra rays towards highlights, to
+    /// measure their error; 0 if not selected. Optional; needs `checked`.
     std::function<double(int x, int y)> aimed;
-    /// Index of this set's image in the argument `out` of patch_field. Sets of the same image must draw
-    /// different pieces of it.
+    /// Index, in the argument `out` of patch_field, of the image that these views form. Several sets may draw
+    /// different squares of one image.
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Returns the motion class of an object. All objects of a class move alike. Only called if objects move
-    /// or if `class_marks` is not empty.
+    /// Returns the number of an object's group. All objects of a group move alike. Only called if objects
+    /// move or `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// The bits that mark each motion class in PatchPicture::touched; 0 if the class moves in no view. If the
-    /// list is empty, `touched` is not computed.
+    /// For each group of objects that move alike, the bits to set in PatchPicture::touched; 0 for groups at
+    /// rest. If empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
-    /// Edge of a piece (image square that one task draws), in px: SeenTile::edge divided by a power of two.
+    /// Each task draws an image square with this edge, in px. It must be SeenTile::edge (64 px) divided by a
+    /// power of two.
     int piece_px = SeenTile::edge;
-    /// The sets of views, drawn together so that each tile's patches are searched only once.
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The recorded part of the raster: its first pixel, and one past its last. If set, unrecorded surfaces
-    /// beyond it may hide what a view sees. Must be set with rays.
+    /// The recorded raster rectangle (the end is exclusive). If set, unrecorded objects outside it may hide
+    /// what a view sees. Required with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of a lens point, in m times film distance / pixel pitch (px m). Needed for rays
-    /// and TileViews::patches.
+    /// Largest |x| and |y| of a lens point, in m, multiplied by the film distance in px. Required with rays
+    /// or highlights.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -119,8 +118,8 @@ struct TileViews {
     static constexpr std::size_t view = row * row;      ///< stride from one view to the next
     std::vector<float> inverse_z;                       ///< 1/m; -1 if nothing is recorded
     std::vector<std::uint32_t> texel;
-    /// The directly visible patches (planar parts of surfaces) that any lens point sees in this piece,
-    /// nearest first. Null if objects move.
+    /// Directly visible patches (planar parts of surfaces) that may cover this image square from any lens
+    /// point, nearest first. Null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
@@ -134,25 +133,23 @@ class Lights {
     Lights(Lights&&) = delete;
     Lights& operator=(Lights&&) = delete;
     virtual ~Lights() = default;
-    /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
+    /// Returns whether light of any highlight reaches a rectangle of the image, in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels:
-    /// - r, g and b of the highlights' light;
-    /// - mean, over rays through the lens, of the squared radiance in the highlights' brightest channel.
+    /// Adds four values per pixel to `light`: the highlights' r, g and b, and the mean square of their
+    /// brightest channel over the lens. Rows have TileViews::row pixels.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A random line from a pixel to a highlight. The highlights' light in the pixel is the mean, over such
-    /// lines, of `scale` times the arriving radiance.
+    /// A random ray from a pixel to a highlight. The mean of `scale` times the radiance along such rays
+    /// estimates the highlights' light in the pixel.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
         double scale = 0;
     };
-    /// Returns the indices of the sources (groups of merged highlights) whose light may reach a rectangle of
-    /// the image, in px.
+    /// Returns the indices of the merged highlights whose light may reach a rectangle of the image, in px.
     [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
-    /// Appends up to `count` random lines from the pixel (x, y) of the image to highlights of `sources` whose
-    /// light reaches the pixel. Equal seeds give equal lines.
+    /// Appends up to `count` random rays from pixel (x, y) to those highlights of `sources` that reach it.
+    /// Equal seeds give equal rays.
     virtual void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
                      std::vector<Line>& lines) const = 0;
 };
@@ -189,20 +186,23 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted share of the views that need an unrecorded reflected or transmitted surface. Lower
-    /// if such surfaces are darker than the pixel (TreeSums).
+    /// Per pixel: weighted fraction of the views in which a reflection or refraction was not recorded.
+    /// Reduced if these surfaces are dark in the whole tile.
     std::vector<float> unknown_below;
-    /// Per pixel: weighted share of the views whose samples come from rays. Empty for sets without rays.
+    /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
+    /// tracer.
     std::vector<float> traced;
-    /// Per pixel: results of comparing rays with records. Empty for sets without `checked`.
+    /// Per pixel: differences between traced rays and recorded colours, to measure the error. Empty unless
+    /// PatchViews::checked is set.
     std::vector<PixelCheck> checks;
-    /// Per pixel: the same for highlights. Empty for sets without `checked` or without lights.
+    /// Per pixel: differences between traced and computed highlights. Empty without highlights or
+    /// PatchViews::checked.
     std::vector<HighlightCheck> highlight_checks;
-    /// Per pixel: mean squared radiance of the highlights (fourth value of Lights::add). Empty if there are
-    /// none.
+    /// Per pixel: mean squared radiance of the highlights over the lens (fourth value of Lights::add). Empty
+    /// without highlights.
     std::vector<float> light_square;
-    /// Per pixel: the bits (PatchField::class_marks) of all moving objects that are recorded there or seen by
-    /// a view. All bits are set if a view sees something unrecorded.
+    /// Per pixel: bits (PatchField::class_marks) of the moving objects that may change it. All bits are set
+    /// where a view sees something unrecorded.
     std::vector<std::uint8_t> touched;
 };
 

@@ -131,11 +131,12 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels that may show a surface beyond the raster's border. It is assumed to lie at
-        // position `along` the border, at the depth of border pixel `s`.
+        // Marks pixels that an unrecorded surface just outside the raster may cover. It is assumed at
+        // position `along` the border, as deep as border pixel `s`.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // The surface may continue at an angle to the border. So one more pixel is marked on both sides.
+            // One more pixel is marked on each side, because the surface may continue obliquely beyond the
+            // border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));
@@ -158,7 +159,8 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
             const Seen s = see(side, static_cast<std::size_t>(i), view, use);
             if (s.any) mark_cell(s, s.along);
         }
-        // Surfaces beyond a corner of the raster are assumed to have the depth of the pixel at the corner.
+        // Surfaces diagonally beyond a corner of the raster are assumed to have the depth of the corner
+        // pixel.
         const auto mark_beyond = [&](std::ptrdiff_t corner, std::ptrdiff_t from, std::ptrdiff_t to) {
             const Seen s = see(side, static_cast<std::size_t>(corner), view, use);
             if (!s.any || !(std::abs(s.along) < farthest_px)) return;

@@ -19,10 +19,11 @@ class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Returns whether any view may see, in the tile, a surface outside the recorded pixels.
+    /// Returns whether an unrecorded surface beyond the raster's border may cover a part of the tile in some
+    /// view.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Writes the inverse depth of surfaces outside the recorded pixels to SeenTile::maybe_inverse_z, where
-    /// the view may see them.
+    /// Where an unrecorded surface beyond the raster's border may cover a pixel of the view, writes its
+    /// assumed inverse depth to SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -45,18 +46,16 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of this side's pixels in all views, in px: `deepest_px` into the raster,
-        /// `sideways_px` along the side.
+        /// Largest displacement, in px, of the pixels at this side of the raster in all views: `deepest_px`
+        /// into the raster, `sideways_px` along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to include displacements that differ from `moved_px` by up
-        /// to `around_px` per axis.
+        /// Enlarges `deepest_px` and `sideways_px` to cover a pixel displacement of `moved_px`, with a
+        /// tolerance of `around_px` per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of moving pixels in all views
-        /// of `span`, a part of the exposure.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Raster position, in px, at which a view sees a border pixel: `along` and `across` the side.
+    /// Where a view sees a pixel of the raster's border, in raster px: `along` the border, and `across` it.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

@@ -17,13 +17,12 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Sets `sums`. `light` is the result of Lights::add. Adds the rays that decide how many more are aimed
-    /// to `checks`.
+    /// Measures the highlights' error by rays, into `sums`. `light` comes from Lights::add. Rays that only
+    /// decide how many more to trace count in `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 
   private:
-    /// The light found by the rays that are aimed at the highlights of one pixel.
     struct Aimed {
         std::uint16_t pixel = 0;
         std::uint32_t rays = 0;

@@ -26,15 +26,15 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of `patches` (indices of directly visible planar parts of surfaces) belongs to an
-    /// object with a bit of PatchField::wanted_marks.
+    /// Returns whether any of these directly visible surface parts belongs to an object with a bit of
+    /// PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks the pixels where a moving object was recorded, because it uncovers them in other views. `mesh`
-    /// contains the instant's directly visible patches in the tile.
+    /// Marks pixels where a moving object was recorded, because its motion uncovers the background there.
+    /// `mesh` holds the visible surfaces in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which a view sees a moving object or something unrecorded. `seen` has one element
-    /// per recorded instant of the view.
+    /// Marks pixels in which the view shows a moving object or nothing recorded. `seen` has one element per
+    /// recorded instant of the view.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

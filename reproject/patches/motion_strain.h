@@ -13,12 +13,11 @@ namespace postlens {
 
 /// Bounds the distortion of a part of a surface by the motions in all views (PatchLens::motion).
 struct StrainOfMotions {
-    /// For each view, the motions of all classes of objects that move alike (PatchView::Use::motions).
-    /// `strain_views` views, uniform over the exposure, suffice.
+    /// For each view, the motions of all groups of objects that move alike. It suffices to sample
+    /// `strain_views` instants, uniform over the exposure.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 
-    /// Returns the largest distortion in any of the views, or 0 if the object does not move.
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };

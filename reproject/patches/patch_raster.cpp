@@ -91,7 +91,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        // In its overlap (margin), a patch lies slightly behind the neighbour to which the sample belongs.
+        // Neighbouring patches overlap slightly, to avoid cracks. In the overlap, a patch lies farther back
+        // than the neighbour to which the sample belongs.
         const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
@@ -270,7 +271,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // The whole row is cleared, because draw_patch_in also tests samples to the left of `part`.
+        // Clears the whole row, because draw_patch_in also tests samples left of `part`.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -299,8 +300,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Every row begins at the tile's left border. A later start would round the samples' positions
-    // differently.
+    // Starts every row at the tile's left border, even if only pixels farther right are needed, so that
+    // sample positions are always rounded alike.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

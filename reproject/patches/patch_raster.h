@@ -19,17 +19,17 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` that marks an inaccurate reprojection: the reflected or refracted image moves
-    /// nonlinearly with the lens point (Patch::bent).
+    /// Bit of `texel` that marks a reflection or refraction whose motion over the lens is too nonlinear to be
+    /// reprojected accurately (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
-    /// SIMD kernels read 16 values at a time, even beyond the end of the last row.
+    /// Padding for SIMD code, which reads 16 values at a time, even beyond the end of the last row.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface with an unresolved edge, which may cover the pixel
-    /// (SheetNode::maybe). Surfaces behind one drawn earlier do not count.
+    /// Inverse depth, in 1/m, of the nearest surface that may cover the pixel, because its exact edge is
+    /// unknown (SheetNode::maybe); -1 if none.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -39,7 +39,7 @@ struct SeenTile {
     }
     /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether an unresolved edge of a nearer surface may hide the visible surface.
+    /// Returns whether a nearer surface, whose exact edge is unknown, may hide the pixel's visible surface.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
@@ -77,7 +77,7 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether a non-empty block overlaps the rectangle [x0, x1] x [y0, y1], in px from the tile's
+    /// Returns false only if no pixel was added in the rectangle [x0, x1] x [y0, y1], in px from the tile's
     /// corner.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
@@ -111,8 +111,8 @@ struct WantedPixels {
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether the parent (the reflecting or transmitting surface) is unrecorded in some pixels. There, `in`
-    /// contains in_gap(id), with the id of the nearest visible ancestor.
+    /// Whether some pixels lack the mirror or glass that shows the surface. There, `in` holds in_gap(id) of
+    /// the last recorded object before it.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };

@@ -8,16 +8,14 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // If the matrix W is not stored, the patch is seen directly and W is 1/z' times the unit matrix.
-    // Otherwise W's linear entries follow 1/z' (p[0]).
+    // W describes how an image moves with the lens point. If W is not stored, the surface is seen directly,
+    // and W is 1/z' (p[0]) times identity.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Returns the largest difference between an entry of W on the patch and at its centre. W is linear, so
-    // this is at a corner.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };
@@ -28,7 +26,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // Returns the margin, in px, for the overlap of neighbouring patches and for rounding errors.
+    // Safety margin, in px: 0.25 for the overlap of neighbouring patches, and a millionth of the coordinates
+    // for rounding errors.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

@@ -20,8 +20,8 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the bounding rectangle of the patch in one view. `lens` is LensShift::lens_px, in px m.
-    /// `shift` is the shift of infinitely distant surfaces, in px.
+    /// Returns the patch's bounding rectangle in one view. `lens` is LensShift::lens_px, in px m; `shift` is
+    /// the displacement of infinitely distant points, in px.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);

@@ -18,13 +18,14 @@ namespace postlens {
 /// points within `lens_reach_px`.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`. Only its members `motion_class`, `lens_reach_px` and `sets` are used.
+    /// Keeps a reference to `field`, and uses only its members `motion_class`, `lens_reach_px` and `sets`.
     explicit PatchSweep(const PatchField& field);
-    /// Returns the bounding rectangle of a patch, in raster px. It is empty if no view uses the instant.
+    /// Returns the rectangle that contains the patch in all views, in raster px. It is empty if no view uses
+    /// the recorded instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Smallest and largest shift by the lens in all views. A static patch moves affinely with the shift, so
+    /// Range of the image shift by the lens over all views. A static patch moves affinely with the shift, so
     /// the box's corners bound its positions.
     struct Box {
         LensShift low, high;
@@ -36,7 +37,6 @@ class PatchSweep {
     /// Calls `add` with the box's corners.
     template <typename Add>
     static void for_corners(const Box& box, const Add& add);
-    /// Extends `out` by a moving patch's positions in all views of a part of the exposure.
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,
                          const TimeSpanViews& span, RasterRect& out);
     const PatchField& field_;

@@ -51,8 +51,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted planes and a pixel's own `planes`, at the pixel's
-    /// four points.
+    /// Returns the largest difference between the fitted planes and a pixel's recorded `planes`, tested at
+    /// four points of the pixel.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -104,8 +104,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Visits the cells (pixels) of a rectangle until `visit` returns false. Returns whether all were
-    /// visited.
+    /// Calls `visit` for each pixel of a rectangle that the surface covers, until it returns false. Returns
+    /// whether all were visited.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -160,7 +160,7 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Only directly visible surfaces get bounds of motion. They have one value per cell (1/z').
+        // Motion is bounded only for directly visible surfaces, which store one plane per pixel (1/z').
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -182,7 +182,7 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // Written as !(a <= b), so that NaN also counts as nonlinear. The product is NaN if `bend` is
+                // The negated comparison also counts NaN as nonlinear. The product is NaN if `bend` is
                 // infinite and bend_px_m2 is 0.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
@@ -193,7 +193,7 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // As the aperture shrinks, `within` (the allowed error) grows without limit. So back_per_m is
+            // The allowed error `within` grows without limit as the aperture shrinks. So the depth offset is
             // limited to a fraction of the inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
@@ -223,7 +223,8 @@ double PatchLens::least_blur_px(const Mat2& w) const {
     // Computes the smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    // This runs for every cell. std::hypot is slower and only avoids overflow, which cannot happen here.
+    // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
+    // here.
     const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
                  difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
@@ -354,7 +355,8 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // The map is singular at the scene point's depth, so parts near this depth must be small.
+        // The map to the raster is singular at the scene point's own depth, so a patch is divided near this
+        // depth.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

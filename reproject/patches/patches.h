@@ -27,23 +27,23 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted surface is drawn as part of the surface that shows it if their
-    /// displacements differ by at most this many px. Negative: never; all_follow: always.
+    /// A reflection or refraction is drawn fixed to its surface if, over the lens, it moves against it by at
+    /// most this many px. Negative: never.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest position error, in px, of a cell (pixel of a surface) in a view. Blurred cells may have a
-    /// larger error.
+    /// Largest position error, in px, of a pixel that is reprojected to another lens point or instant.
+    /// Blurred pixels may have a larger error.
     double exact_px = 0.1;
-    /// A patch is drawn this many px beyond its sides, to prevent cracks between neighbours.
+    /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Bounds the distortion of a part of a surface by the motions in all views. Arguments: its centre,
-    /// gradient of 1/z', and half size (RasterMap::tangent). If empty, nothing moves.
+    /// Bounds the distortion of a surface part by motion in all views. Arguments: its centre, gradient of
+    /// 1/z', and half size. If empty, nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius of a node's circle of confusion, in px. It is an ellipse if W (`w`) is not
-    /// isotropic. Then the smaller semi-axis is returned.
+    /// Returns the radius of the circle of confusion, in px, of a surface point with the matrix W. For an
+    /// ellipse, it is the smaller semi-axis.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -76,28 +76,28 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// The linear functions of each patch, with its corner as the origin: 1/z', and if stored, the entries
-    /// xx, xy, yx and yy of W.
+    /// Linear functions per patch, of the position in px from the patch's corner: 1/z', and, if stored, the
+    /// matrix entries xx, xy, yx and yy of W.
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface), the bits (child_bit) of the reflections and refractions that are
-    /// drawn as part of it (PatchLens::follow_px).
+    /// For each surface piece (sheet), the bits (child_bit) of the reflections and refractions that are drawn
+    /// fixed to it (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Returns the bits (child_bit) of the reflections and refractions that are drawn separately at a texel
-    /// (recorded colour of a quadtree leaf).
+    /// Returns which reflections and refractions of a surface are drawn as separate surfaces, as bits
+    /// (child_bit). `texel` is the index of its recorded colour.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether an edge crosses a texel's quadtree leaf, so that the leaf's colour is uncertain.
-    /// Reflections and refractions drawn as part of the texel count too.
+    /// Returns whether a recorded colour is uncertain, because an edge crosses its quadtree cell, on the
+    /// surface or in a reflection drawn fixed to it.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of the reflections and refractions that are drawn as part of a texel (recorded
-    /// colour of a quadtree leaf).
+    /// Returns the radiance of the reflections and refractions that are drawn fixed to a surface. `texel` is
+    /// the index of the surface's recorded colour.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -109,14 +109,13 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), with the reflections and
-    /// refractions drawn as part of it.
+    /// Returns a recorded radiance, including reflections and refractions that are not drawn as separate
+    /// surfaces.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
         return {t.r + more[0], t.g + more[1], t.b + more[2]};
     }
-    /// Returns the object of a texel (recorded colour of a quadtree leaf).
     [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {
         return sheets->sheets[sheets->texels[texel].sheet()].key.id;
     }
@@ -142,7 +141,7 @@ struct PatchMesh {
 /// point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to raster position `at + d` passes through lens point `lens_px_per_px * d`, in px m as
+    /// The ray to raster position `at + d` passes through the lens at `lens_px_per_px * d`, in px m as
     /// LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;

@@ -32,8 +32,8 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
             std::memcpy(&sum, sums[k].data(), sizeof sum);
             sum += weights * __builtin_convertvector(light, Double4);
             std::memcpy(sums[k].data(), &sum, sizeof sum);
-            // Branchless, because a branch would often be mispredicted: a pixel that does not count is
-            // overwritten by the next one.
+            // Every pixel is written, because a branch would often be mispredicted. A pixel without
+            // reflections is overwritten by the next one.
             with_children.pixels[count] = static_cast<std::uint16_t>(k);
             count += t.children() != 0 ? 1 : 0;
         }

@@ -21,8 +21,8 @@ int tiles(int px) {
 
 /// Sort key of a patch: by path (sequence of reflections and transmissions), then from near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // The bit patterns of non-negative floats are in the order of their values. Negative floats are in
-    // reverse order.
+    // For a sort key: bit patterns of floats are ordered like their values if non-negative, and in reverse if
+    // negative.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
     const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
@@ -59,8 +59,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving patch also belongs to the tiles in which it was recorded, because mark_recorded marks
-            // pixels there.
+            // Adds a moving surface also to the tiles in which it was recorded, because its motion may
+            // uncover the background there (mark_recorded).
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

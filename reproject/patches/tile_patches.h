@@ -42,23 +42,24 @@ class PatchBins {
     [[nodiscard]] int rows() const { return rows_; }
     /// Returns whether any instant has patches of reflected and transmitted nodes.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Returns the indices of an instant's directly visible patches that may appear in a tile in some view.
+    /// Returns the indices of the directly visible patches (planar parts of surfaces) that some view may show
+    /// in the tile.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies the directly visible patches that may appear in a rectangle of a tile to `out`. Empties the
-    /// lists that gather_chains fills.
+    /// Copies to `out` the directly visible patches (planar parts of surfaces) that some view may show in a
+    /// rectangle. Empties the lists that gather_chains fills.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Returns whether more than `most` reflected and transmitted patches of one instant may appear in a
-    /// rectangle of a tile.
+    /// Returns whether more than `most` reflected or transmitted surface parts of one recorded instant may
+    /// appear in a rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
-    /// Also lists paths (sequences of bounces) without patches there, whose surfaces count as unrecorded.
+    /// Call after `gather`. Adds the reflected and transmitted patches in the rectangle, and lists bounce
+    /// sequences without any, whose surfaces count as unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches that may appear in a tile in some view, and for each, the `pixels` of the tile in which it
-    /// may appear.
+    /// The patches (planar parts of surfaces) that some view may show in a tile. `pixels` states in which of
+    /// the tile's pixels each may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -73,14 +74,13 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// Returns the patches that may appear in each tile in some view. Reflecting surfaces precede their
-    /// reflections.
-    /// Patches of one path are sorted from near to far, so that hidden pixels fail the depth test early.
+    /// Sorts patches into the tiles in which some view may show them: mirrors before their reflections, and
+    /// near before far, for early depth tests.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
-    /// Appends a patch. Patches are copied to contiguous memory, because every view reads all of them.
+    /// Copies a patch to contiguous memory, because every view reads all patches of the tile.
     void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;
 
     const PatchField& field_;

@@ -83,8 +83,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Where the parent (the surface that reflects or transmits this one) is missing, this surface is
-        // drawn only if the nearest visible ancestor lies on the parent's object.
+        // Where the mirror or glass in front is unrecorded, the surface is drawn only if the last recorded
+        // surface before it lies on the same object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -206,8 +206,8 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // Views need a surface with this path, but none sees one. Its radiance is unknown and may be
-        // arbitrarily large.
+        // If views need a surface with this sequence of bounces but none shows one, its radiance is unknown
+        // and may be arbitrarily large.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -219,8 +219,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // If a view lacks the parent (the surface that reflects or transmits this one), it may not need this
-        // surface. `inflated` gives such views the mean of the others.
+        // A view that lacks the mirror or glass may not need the surface seen in it. `inflated` gives these
+        // views the mean of the others.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

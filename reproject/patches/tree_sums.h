@@ -24,40 +24,37 @@ namespace postlens {
 /// nodes are also drawn where their parent is missing.
 class TreeSums {
   public:
-    /// `paths` contains all possible paths (sequences of reflections and transmissions), in any order and
-    /// possibly repeated. `at` states which pixels of the tile are in use.
+    /// `paths`: all sequences of reflections and transmissions that may occur, in any order, possibly
+    /// repeated. `at`: the tile's pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Starts a view, or one of its two recorded instants. `primary` contains the view's directly visible
-    /// surfaces, and must stay valid until all pixels have been added.
+    /// Starts a view, or one of the two recorded instants that it blends. `primary`: its visible surfaces,
+    /// valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares drawing the surfaces with path `path`, and stores the pixels that need them in `wanted`.
-    /// Returns the tile to draw into, or null if no pixel needs them. Parent paths must be drawn first.
+    /// Prepares to draw the surfaces seen by the bounces `path`, and stores the pixels that need them.
+    /// Returns null if none does. Draw parent paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Returns whether the records determine the reflected and transmitted light of pixel k. Each separately
-    /// drawn surface there must be:
-    /// - seen by the view, and not possibly hidden by a surface with an uncertain edge,
-    /// - free of edges in its quadtree leaf, and accurately reprojected (not Patch::bent).
+    /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k: each is
+    /// visible, has no edge there, and is accurately reprojected.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the radiance of the reflections and refractions that are drawn separately in pixel k. Requires
-    /// sure(k).
+    /// Returns the light of reflections and refractions that are drawn as separate surfaces in pixel k.
+    /// Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     /// Adds the separately drawn nodes of pixel k to the sums.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the light that all views see by reflection and transmission in pixel k to `sum`, the pixel's
-    /// radiance times `weight`.
-    /// Returns the weight of the views that need an unrecorded surface. It is reduced if such surfaces are
-    /// darker in the whole tile than the pixel.
-    /// If some views miss a surface's parent, views that see the surface inaccurately reprojected
-    /// (Patch::bent) count too.
+    /// Adds the reflected and transmitted light of all views to `sum`, the radiance of pixel k times
+    /// `weight`.
+    /// Returns the weight of the views in which such a surface is unrecorded. It is reduced if these surfaces
+    /// are dark in the whole tile.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Sum of the node's radiance times the view's weight, with child nodes that are drawn as part of it.
+        /// Sum over all views of the surface's radiance times the view's weight. It includes reflections that
+        /// are drawn fixed to the surface.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
@@ -69,7 +66,6 @@ class TreeSums {
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
     using Children = std::array<std::uint32_t, 2>;  ///< for each bounce, an index into chains_, or no_chain
-    /// A tile's surfaces with one path (sequence of reflections and transmissions from the eye).
     struct Chain {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
@@ -79,8 +75,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of this path's surfaces in the tile. end_views adds that of the surfaces seen in
-        /// them, because a view that lacks a surface also lacks its reflections.
+        /// Largest radiance of these surfaces in the tile. end_views adds that of their reflections, because
+        /// a view that lacks a mirror also lacks its reflections.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -90,15 +86,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If pixel k of a view lacks the surface of `chain`, but shows surfaces that it reflects or transmits,
-    /// adds these to their own sums. Returns whether there are any.
+    /// If a view lacks a mirror or glass in pixel k but shows surfaces seen in it, adds them to their own
+    /// sums. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the object in which pixel k shows the surfaces of `chain`: the parent surface's object, or if
-    /// the view misses it, the nearest visible ancestor's.
+    /// Returns the object that reflects or transmits these surfaces in pixel k. If it is unrecorded there,
+    /// the last recorded object before it.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k for the surfaces of `chain`. A chain's first call in a tile clears all its
-    /// sums.
+    /// Returns the sums of pixel k for one sequence of bounces. The first call for a tile clears the sums of
+    /// all its pixels.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

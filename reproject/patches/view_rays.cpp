@@ -63,8 +63,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Branchless, because a branch would often be mispredicted: a pixel that is not doubtful is
-            // overwritten by the next one.
+            // Every pixel is written, because a branch would often be mispredicted. A pixel that needs no ray
+            // is overwritten by the next one.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0
