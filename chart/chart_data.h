@@ -26,7 +26,8 @@ struct ChartError {
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// Errors against the first reference. The noise of the reference is subtracted only from `relmse`.
+    /// Errors against the first of two reference images. Only `relmse` is corrected for the reference's
+    /// noise.
     double relmse = 0, ssim = 0, flip = 0;
 };
 
@@ -39,14 +40,15 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the point's curve: the method, and the sample file unless it is the one with the most records.
+    /// Name of the curve to which the point belongs: the method, and the sample file unless it has the most
+    /// records.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image in a sweep (one call for many images), one value per round. `first_of_many_s`
-    /// includes reading the file, and `further_s` is for each further image. Empty if not timed.
+    /// Seconds per image if one call makes many images, per round: for the first one, with reading the file,
+    /// and for each further one. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -54,8 +56,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the seconds per image if `pictures` images, possibly infinite, share one trace. They are made
-    /// by single calls or by a sweep, whichever is faster.
+    /// Returns the seconds per image if `pictures` images share one trace, made by single calls or a sweep,
+    /// whichever is faster. `pictures` may be infinite.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

@@ -50,7 +50,7 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Coarse records suffice for hybrid, because it traces rays where they do not.
+    // Coarse samples suffice for the method hybrid, because it traces rays where recorded data is missing.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number that gives the trace the image's lens diameter. The trace computes the diameter
-    /// from the film distance instead of the focal length.
+    /// Returns the f-number with which the tracer obtains the image's lens diameter. The tracer divides the
+    /// film distance by it, not the focal length.
     [[nodiscard]] double traced_f_number() const;
 };
 

@@ -38,7 +38,8 @@ Style style_of(const std::string& curve, const std::map<std::string, int>& varia
     const std::string base = curve.substr(0, curve.find(','));
     const auto it = known.find(base);
     Style out = it == known.end() ? Style{"#56b4e9", 3, 1} : it->second;
-    // Curves of one method share a colour. Those of files with fewer records are dashed, with hollow marks.
+    // Curves of one method share a colour. Curves from sample files with fewer records are dashed, with
+    // hollow markers.
     if (const int v = variants.at(curve); v > 0) {
         out.dash = 1 + v;
         out.mark -= 1;

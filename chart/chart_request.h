@@ -33,15 +33,15 @@ struct ChartRequest {
 
     /// Samples per pixel of each half of the reference.
     int reference_spp = 1024;
-    /// Files of an existing reference, and of a second one with independent noise. Without them, both are
-    /// rendered.
+    /// Files of an existing reference image, and of a second one with independent noise. If `reference` is
+    /// absent, two are rendered.
     std::optional<std::filesystem::path> reference, second_reference;
 
     std::vector<int> spp{1, 4, 16, 64, 256, 1024};
     std::vector<int> views{16, 64, 256};
     std::vector<int> depths{8, 32, 128};
-    /// Each round measures every point once. Points slower than `once_above_s` are measured only in the
-    /// first.
+    /// Each round measures every point once. Points slower than `once_above_s` seconds are measured only in
+    /// the first round.
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot

@@ -102,8 +102,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // Traces run first, because methods and the pinhole image need their files. The pinhole image shows
-        // which pixels blur affects.
+        // Scenes are traced first, because the methods and the pinhole image need sample files. The pinhole
+        // image shows which pixels blur affects.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -143,7 +143,8 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // Shares write to the same folder, so a share must not remove the images of others.
+        // Several runs, each with a share of the points, may write to this folder. So a share must not remove
+        // images of another.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -155,7 +156,6 @@ class Runner {
         save();
     }
 
-    // Handles missing points when shares are joined: throws if all are required, and otherwise omits them.
     void check_join(std::vector<std::string>& missing) {
         for (const ChartPoint& p : data_.points)
             if (!p.figures) missing.push_back(p.name);
@@ -167,7 +167,7 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Throws if an input in the output folder would be overwritten or removed.
+    // Throws if the chart would overwrite or remove one of its input files.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -215,7 +215,7 @@ class Runner {
         save();
     }
 
-    // Returns the path of a sample file. It is traced again if an earlier run removed it.
+    // Returns the path of a sample file. The file is traced again if an earlier run removed it.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -258,8 +258,8 @@ class Runner {
         save();
     }
 
-    // Returns the error of the records' pinhole image against a ray-traced one. It is not 0, because a
-    // pixel's corner samples only approximate its integral.
+    // Returns the error of the sample file's pinhole image against a ray-traced one. It is not 0, because
+    // corner samples only approximate a pixel's integral.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -289,11 +289,11 @@ class Runner {
         Image image;
         std::vector<std::string> warnings;
         double retraced = 0;
-        // The time starts before the sample file is opened, or for rays with the scene in memory. It ends
-        // with the image in memory.
+        // Measures the time from opening the sample file to the finished image in memory. For ray tracing,
+        // the scene is already in memory.
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // A sweep varies the lens, so only methods that depend on the lens are timed in one.
+        // A sweep varies the lens, so it is timed only for methods that depend on the lens.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -308,8 +308,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. The first has the lens stopped down by a sixth of a stop, because lenses
-    // of a sweep differ.
+    // Times a sweep of two images. Their lenses differ by a sixth of a stop, because a real sweep varies the
+    // lens.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

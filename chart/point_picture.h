@@ -21,10 +21,11 @@ class PointPictures {
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Returns a point's image, made from the sample file `path`, which `rays` does not read.
+    /// Makes the image of a point of the chart from the sample file `path`. The method "rays" does not read
+    /// the file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Returns a point's image through the given lens, from the records of `frame`.
+    /// Makes the image of a point of the chart through the given lens, from the opened sample file `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

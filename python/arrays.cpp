@@ -45,7 +45,8 @@ class Records {
         const auto& all = records->band_.records;
         return all.empty() ? nullptr : static_cast<const void*>(&(all.front().*member));
     }
-    /// Returns a view with one value, or one array of the given shape, per record.
+    /// Returns a numpy array that shares memory with the records. Each record has one value, or one array of
+    /// the given shape.
     template <typename Value>
     [[nodiscard]] static py::array view(const std::shared_ptr<Records>& records, const void* first,
                                         std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides) {

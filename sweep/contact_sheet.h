@@ -15,15 +15,14 @@ class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;
 
-    /// `captions` holds one ASCII caption per image, 1 to `most_pictures`. If `columns` gives a single row, a
-    /// single column or tiny thumbnails, the sheet is roughly square instead.
+    /// `captions`: one ASCII text per image, 1 to `most_pictures`. If `columns` gives one row, one column or
+    /// tiny thumbnails, the sheet is roughly square instead.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);
     [[nodiscard]] EncodedPicture picture() const;
 
     [[nodiscard]] std::size_t columns() const { return columns_; }
-    /// Size of a thumbnail, in px, at most that of the image.
     [[nodiscard]] ImageSize thumbnail() const { return {width_, height_}; }
 
   private:

@@ -21,13 +21,13 @@ namespace postlens {
 /// Computes a key for each image from its settings and input files. Images with the same key are equal.
 class SweepKeys {
   public:
-    /// `exposure_stops` is the exposure of all images. `at` lists the raster positions, in px, at which the
-    /// circle of confusion is reported.
+    /// `exposure_stops` applies to all images. `at` lists the raster positions, in px, at which the circle of
+    /// confusion is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an earlier image with the key `earlier` can be kept for the settings `s`. The image
-    /// may also have a predicted error.
+    /// Returns whether an earlier image with the key `earlier` can be kept for the settings `s`, even if its
+    /// error was predicted and `s` needs none.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

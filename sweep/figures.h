@@ -14,8 +14,8 @@ namespace postlens {
 /// The inverse depths of a sample file, which all images of a sweep share.
 struct FrameDepths {
     int width = 0, height = 0;
-    /// Inverse depth, in 1/m, of the directly visible surface at each pixel's upper left corner, along the
-    /// axis. It is 0 if nothing was hit.
+    /// Per pixel: inverse depth along the optical axis, in 1/m, of the surface seen at its upper left corner;
+    /// 0 if nothing was hit.
     std::vector<float> inverse_z;
 };
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);

@@ -31,7 +31,7 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Length of a row of the contact sheet: the number of values of the setting that varies fastest.
+    /// Images per row of the contact sheet: the number of values of the setting that varies fastest.
     std::size_t row = 1;
 };
 

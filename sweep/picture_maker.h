@@ -21,8 +21,8 @@ namespace postlens {
 /// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or of
 /// `shoot` with a shutter.
 struct PictureSettings {
-    /// The method. If absent, it is lightfield with a shutter, and otherwise the file's default
-    /// (usual_method). A shutter allows only lightfield, hybrid and automatic.
+    /// If absent, it is lightfield with a shutter, and otherwise the default for the file (usual_method). A
+    /// shutter allows only lightfield, hybrid and automatic.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -65,7 +65,7 @@ struct MadePicture {
 class PictureMaker {
   public:
     /// Keeps a reference to `file`. Throws Error(wrong_arguments) if the method does not support a shutter,
-    /// and Error(invalid_input) for motion paths of unknown ids.
+    /// and Error(invalid_input) if `paths` names an unknown object.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;

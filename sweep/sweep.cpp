@@ -78,7 +78,8 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Earlier images come first, so that sweep.json keeps them even after an interruption.
+            // Registers the images of earlier runs first, so that sweep.json lists them even if this run is
+            // interrupted.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join != Join::no) check_complete();
@@ -111,7 +112,6 @@ class Sweep {
         refuse_overwriting(sweep_inputs(frame, settings_), written);
     }
 
-    /// Returns true if this run makes image i; a share makes only some.
     [[nodiscard]] bool is_mine(std::size_t i) const { return !settings_.share || settings_.share->has(i); }
     [[nodiscard]] std::size_t pictures_to_make() const {
         std::size_t count = 0;
@@ -119,8 +119,8 @@ class Sweep {
         return count;
     }
 
-    /// Keeps an earlier image `i` with equal settings and an unchanged file, and then returns true. Reads it
-    /// into `image`, unless that is null.
+    /// Returns true if an earlier run made image i with equal settings and its file is unchanged. Then keeps
+    /// it, and reads it into `image` unless null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(name_in_json(names_[i]));
         if (begin == end) return false;
@@ -199,29 +199,29 @@ class Sweep {
         });
     }
 
-    /// Number of images made at once. It is 2 for methods that only read a small file's records, because one
-    /// such image does not keep all threads busy.
+    /// Number of images made at once. It is 2 for methods that only read a small sample file, because a
+    /// single image does not keep all threads busy.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Returns true if the method reads records that FocusFrame keeps in memory, where several images can
-    /// share them.
+    /// Whether the method reads sample-file records that are kept in memory (FocusFrame), where several
+    /// images can share them.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// Largest number of images written at once, 1 to 4. Together they take at most 64 MiB, unless one is
-    /// larger.
+    /// Number of images that may be written to files at once, 1 to 4. Together they take at most 64 MiB,
+    /// unless a single one is larger.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its table values while the next ones are made. Cancelling the sweep does
-    /// not stop this, so finished images are kept.
+    /// Writes an image and computes its table row in the background. Cancelling the sweep does not stop the
+    /// writing, so finished images are kept.
     void start_finishing(std::size_t i, Making made, double pinhole_energy) {
         finishing_.push_back(
             {i, std::async(std::launch::async, [this, i, pinhole_energy, made = std::move(made)] {
@@ -256,7 +256,7 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // The CoC diameter of a pinhole is -0 in front of the focus. Adding 0 makes it 0.
+        // Adding 0 turns -0 into 0: the signed CoC diameter of a pinhole is -0 in front of the focus.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
@@ -269,15 +269,16 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with a frame that reads the records. For light fields, `maker_` keeps only surfaces, so a
-    /// second frame is opened.
+    /// Calls `use` with the records of the sample file. For light fields, only surfaces are in memory, so the
+    /// file is read again.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
         return use(once);
     }
 
-    /// Gradient energy of the pinhole image with the magnification of `made` (--framing).
+    /// Returns the gradient energy (detail) of the pinhole image with the magnification of `made`. The option
+    /// --framing changes the magnification.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -308,14 +309,14 @@ class Sweep {
         }
     }
 
-    // Warns if this lens makes objects in mirrors and glass appear at wrong positions. The matrix W, which
-    // reprojects them, is only a linear model.
+    // Warns if this lens shows objects in mirrors and glass at wrong positions, because only a linear model
+    // of their motion over the lens is recorded.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The position error is proportional to this product, so the warning is computed once per product.
+        // The position error is proportional to `lens`, so the warning is computed only once per value.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -344,7 +345,8 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// Saves the finished images after an error. Only the first error is reported.
+    /// Saves the finished images after an error. Further errors are ignored, so that the first one is
+    /// reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
             try {
@@ -377,7 +379,8 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    /// Declared last, so that it is destroyed first: its work uses the other members.
+    /// Declared last, so that its destructor waits for background tasks before the members that they use are
+    /// destroyed.
     std::deque<Finishing> finishing_;
 };
 

@@ -19,21 +19,22 @@ struct SweepSettings {
     SweepAxes axes;
     PictureSettings picture;
     std::string format = "exr";  ///< extension of the images: exr, png, tif or jpg
-    /// Pattern for numbered names, such as "pull.%04d". If absent, names contain the settings.
+    /// Pattern for numbered file names, such as "pull.%04d". If absent, file names contain the settings.
     std::optional<std::string> frames;
     std::vector<glm::dvec2> at;  ///< raster positions, px, at which the CoC is reported; empty: a 3 x 3 grid
     double coc_limit_px = 1;     ///< CoC diameter below which a pixel is in focus, px; positive
-    /// Keeps an earlier run's images in the same folder. sweep.json must state equal settings, an equal file
-    /// and the image's checksum.
+    /// Keeps images of an earlier run in the same folder if sweep.json states equal settings, an equal sample
+    /// file and the image's checksum.
     bool resume = false;
-    /// Makes only every N-th image (a share of the sweep), with the table sweep.I-of-N.json.
+    /// Makes only every N-th image, with the table sweep.I-of-N.json, so that several computers can divide a
+    /// sweep.
     ///
     /// A last run without a share, with `resume`, keeps the images of all shares and writes sweep.csv and
     /// contact.png.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
-    /// Other files on which the images depend. If one changes, earlier images are not kept.
+    /// Other input files on which the images depend. If one has changed, no image of an earlier run is kept.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
     std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's

@@ -20,8 +20,8 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Gradient energy (sum of squared differences between neighbouring pixels) relative to the pinhole
-    /// image. Absent if that has none.
+    /// Sum of squared differences between neighbouring pixels, divided by that of the pinhole image. Absent
+    /// if the pinhole image has no detail.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;

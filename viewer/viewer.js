@@ -125,7 +125,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // Options for copying and saving: those of the final image, even while a coarse one is shown.
+      // Copying and saving use the options of the final image, even while a coarse preview is shown.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -237,7 +237,7 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // An alpha of 191 (of 255) leaves a quarter of the image visible.
+    // The overlay's alpha of 191 (of 255) leaves a quarter of the image visible.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {

@@ -14,7 +14,7 @@ namespace postlens {
 
 /// Settings of the trace that makes a case's sample file. Absent settings keep the values of `for_view`.
 struct AtlasTrace {
-    /// If true, the trace records all surfaces that the lens and shutter need (best_trace). If false, it has
+    /// Records all surfaces that the lens and shutter need (best_trace). If false, the scene is traced with
     /// default settings.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
@@ -59,7 +59,8 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Smallest allowed fraction of the error that find_error_causes attributes to `cause`, 0 to 1.
+    /// At least this fraction of the error, 0 to 1, must be attributed to the expected `cause` by
+    /// find_error_causes.
     double named_at_least = 0;
 };
 

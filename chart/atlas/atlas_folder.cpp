@@ -24,7 +24,7 @@ fs::path atlas_strip(const std::string& name) {
 
 AtlasRun run_atlas(const fs::path& cases, const fs::path& folder, bool restart) {
     AtlasRun out;
-    // Reads all cases first, so that mistakes in any file are reported immediately.
+    // Reads all cases before any is run, so that mistakes in any file are reported immediately.
     for (const fs::path& path : atlas_case_files(cases)) out.entries.push_back({read_atlas_case(path), {}});
     if (fs::exists(cases / "introduction.md"))
         out.introduction = read_text_file(cases / "introduction.md", largest_text_bytes);

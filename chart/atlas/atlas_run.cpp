@@ -68,8 +68,8 @@ class CaseRun {
     }
 
   private:
-    // Traces the sample file. It is kept until other settings are needed, because both methods often share
-    // them.
+    // Returns a sample file with these trace settings. The last file is kept, because a method and its remedy
+    // often need the same one.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);

@@ -286,7 +286,7 @@ class Frame:
             if values is None:
                 continue
             one = isinstance(values, (str, bytes, os.PathLike)) or not isinstance(values, Iterable)
-            # A numpy array of a single number is Iterable, but has no items.
+            # A numpy array of dimension 0 claims to be Iterable, but cannot be iterated.
             axes[name] = [values] if one or getattr(values, "ndim", 1) == 0 else list(values)
             if not axes[name]:
                 raise ArgumentError(f"{name}: no values (got an empty sequence; expected one or more)")
