@@ -67,7 +67,7 @@ struct ChartData {
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// Error of the records' pinhole image against a ray-traced one.
+    /// Error of the pinhole image made from a sample file, against a ray-traced one.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;

@@ -180,7 +180,7 @@ class Field {
         return false;
     }
 
-    /// Tests patches without motion against a tile, for one view.
+    /// Quickly excludes static patches (planar parts of surfaces) that one view does not show in a tile.
     class ViewReach {
       public:
         ViewReach(const LensShift& lens, const TilePlace& at)

@@ -18,7 +18,7 @@ namespace postlens {
 /// The patches (nearly planar parts of surfaces) of one recorded instant.
 struct PatchInstant {
     const PatchMesh* primary = nullptr;
-    /// Patches of reflected and transmitted nodes; null if there are none.
+    /// Surfaces that are seen by reflection or transmission; null if there are none.
     const PatchMesh* deeper = nullptr;
 };
 
@@ -171,7 +171,7 @@ struct HighlightCheck {
     std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
     std::uint32_t aimed = 0;           ///< number of these rays
     float aimed_share = 0;             ///< the result of PatchViews::aimed
-    /// Light along the aimed rays, minus the light in the image.
+    /// Error of the image: the light found by rays towards highlights, minus the light in the image.
     [[nodiscard]] double residual(std::size_t channel) const {
         return aimed > 0
                    ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])

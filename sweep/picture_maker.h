@@ -32,8 +32,8 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// PSNR, in dB, that `automatic` must reach. Without target, scene and shutter, `automatic` uses the
-    /// file's default method.
+    /// PSNR, in dB, that the method `automatic` must reach. If target, scene and shutter are all absent,
+    /// `automatic` uses the file's default method.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
@@ -77,7 +77,7 @@ class PictureMaker {
 
     [[nodiscard]] const PictureSettings& settings() const { return settings_; }
     [[nodiscard]] FocusMethod method() const { return method_; }
-    /// Returns the frame with its prepared records, for use elsewhere.
+    /// Returns the opened sample file with its prepared records, so that callers need not read it again.
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:

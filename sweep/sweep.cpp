@@ -286,7 +286,7 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // With this framing, the film lies at the focal length.
+                // With Framing::lens and the focus at infinity, the film distance is the focal length.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;

@@ -32,7 +32,7 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// Upper bound of the lens's shift in all views.
+    /// Bounds of the displacement, in px, that the lens causes in any view.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();

@@ -30,7 +30,6 @@ class CheckedHighlights {
         [[nodiscard]] bool rays_differ() const;
     };
     enum class Round : std::uint8_t { deciding, few, many };
-    /// Traces rays for each element of `aimed`.
     void trace(const PatchField& field, const PatchViews& set, const TilePlace& at, Round round,
                std::vector<Aimed>& aimed);
     void trace_lines(const PatchViews& set, std::vector<Aimed>& aimed);

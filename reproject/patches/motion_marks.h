@@ -21,7 +21,6 @@ class MotionMarks {
 
     /// Keeps a reference to `field`.
     explicit MotionMarks(const PatchField& field);
-    /// Whether the field has marks.
     [[nodiscard]] bool any() const { return !field_.class_marks.empty(); }
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];

@@ -306,7 +306,7 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
     draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
-    // Where the parent is unrecorded, inaccurately reprojected patches are not drawn.
+    // Where the mirror or glass in front is unrecorded, inaccurately reprojected surfaces are not drawn.
     if (!wanted.any_gaps || patch.bent) return;
     draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }

@@ -85,7 +85,7 @@ class PixelBlocks {
         const auto block = [](float at) {
             return static_cast<unsigned>(std::clamp(at, 0.0F, end - 1)) / block_px;
         };
-        // Bits [from, to] of eight.
+        // Returns eight bits of which the bits `from` to `to` are set.
         const auto bits = [](unsigned from, unsigned to) { return (2U << to) - (1U << from); };
         const std::uint64_t columns = bits(block(x0), block(x1)) * std::uint64_t{0x0101010101010101};
         const unsigned top = block(y0), bottom = block(y1);
@@ -111,8 +111,8 @@ struct WantedPixels {
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether some pixels lack the mirror or glass that shows the surface. There, `in` holds in_gap(id) of
-    /// the last recorded object before it.
+    /// Whether the mirror or glass that shows the surface is unrecorded in some pixels. There, `in` holds
+    /// in_gap(id) of the nearest recorded object towards the eye.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };

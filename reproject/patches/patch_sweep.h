@@ -34,7 +34,6 @@ class PatchSweep {
         std::vector<std::uint8_t> moves;  ///< for each class of objects, whether it moves in any view
     };
     void note(const PatchView& view);
-    /// Calls `add` with the box's corners.
     template <typename Add>
     static void for_corners(const Box& box, const Add& add);
     static void add_span(const PatchMesh& mesh, const Patch& patch, std::size_t motion, const Box& box,

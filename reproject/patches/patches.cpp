@@ -220,7 +220,7 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // Computes the smaller singular value of I/s - W.
+    // Computes the smaller singular value of I/s - W, with the unit matrix I and the focus distance s.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen

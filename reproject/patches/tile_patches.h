@@ -40,7 +40,7 @@ class PatchBins {
     PatchBins(const PatchField& field, const MotionMarks& marks);
     [[nodiscard]] int columns() const { return columns_; }
     [[nodiscard]] int rows() const { return rows_; }
-    /// Returns whether any instant has patches of reflected and transmitted nodes.
+    /// Returns whether any recorded instant has surfaces seen by reflection or transmission.
     [[nodiscard]] bool trees() const { return trees_; }
     /// Returns the indices of the directly visible patches (planar parts of surfaces) that some view may show
     /// in the tile.
@@ -64,7 +64,7 @@ class PatchBins {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
             [[nodiscard]] bool meet(const TilePart& r) const {
-                // Without branches, which are mispredicted half of the time.
+                // Without branches, because they would be mispredicted half of the time.
                 return ((x_first < r.x_end) & (x_last >= r.x_begin) & (y_first < r.y_end) &
                         (y_last >= r.y_begin)) != 0;
             }
@@ -78,7 +78,6 @@ class PatchBins {
     /// near before far, for early depth tests.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
-    /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
     /// Copies a patch to contiguous memory, because every view reads all patches of the tile.
     void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;

@@ -83,8 +83,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Where the mirror or glass in front is unrecorded, the surface is drawn only if the last recorded
-        // surface before it lies on the same object.
+        // Where the mirror or glass in front is unrecorded, the surface is drawn only if the nearest recorded
+        // surface towards the eye is part of the same object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -219,8 +219,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // A view that lacks the mirror or glass may not need the surface seen in it. `inflated` gives these
-        // views the mean of the others.
+        // Scales the sum up for views that lack the mirror or glass itself: they get the mean of the views
+        // that have it.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

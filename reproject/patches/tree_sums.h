@@ -41,14 +41,14 @@ class TreeSums {
     /// Returns the light of reflections and refractions that are drawn as separate surfaces in pixel k.
     /// Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
-    /// Adds the separately drawn nodes of pixel k to the sums.
+    /// Adds the reflections and refractions that are drawn as separate surfaces in pixel k to the sums.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the reflected and transmitted light of all views to `sum`, the radiance of pixel k times
+    /// Adds the reflected and transmitted light of all views in pixel k to `sum`, the pixel's radiance times
     /// `weight`.
-    /// Returns the weight of the views in which such a surface is unrecorded. It is reduced if these surfaces
-    /// are dark in the whole tile.
+    /// Returns the weight of the views with unrecorded reflections or refractions, reduced if these are dark
+    /// in the whole tile.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -75,8 +75,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of these surfaces in the tile. end_views adds that of their reflections, because
-        /// a view that lacks a mirror also lacks its reflections.
+        /// Upper bound of the light that this sequence of bounces and longer ones can add to a pixel, for
+        /// views in which it is unrecorded.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -86,11 +86,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If a view lacks a mirror or glass in pixel k but shows surfaces seen in it, adds them to their own
-    /// sums. Returns whether there are any.
+    /// If a view lacks a mirror or glass in pixel k but shows surfaces seen in it, adds these surfaces
+    /// anyway. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
     /// Returns the object that reflects or transmits these surfaces in pixel k. If it is unrecorded there,
-    /// the last recorded object before it.
+    /// the nearest recorded object towards the eye.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     /// Returns the sums of pixel k for one sequence of bounces. The first call for a tile clears the sums of
