@@ -143,8 +143,8 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // Several runs, each with a share of the points, may write to this folder. So a share must not remove
-        // images of another.
+        // Several runs, each with a share of the points, may write to this folder. So a run must not remove
+        // images of another run.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);

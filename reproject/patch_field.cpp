@@ -278,8 +278,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // If highlights are added, surfaces are needed to hide them, even if traced rays replace the colour
-        // of every pixel.
+        // Surfaces may hide highlights. So with highlights, surfaces are drawn even if traced rays replace
+        // the colour of every pixel.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)

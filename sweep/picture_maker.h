@@ -21,8 +21,8 @@ namespace postlens {
 /// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or of
 /// `shoot` with a shutter.
 struct PictureSettings {
-    /// If absent, it is lightfield with a shutter, and otherwise the default for the file (usual_method). A
-    /// shutter allows only lightfield, hybrid and automatic.
+    /// Method of all images. If absent: lightfield with a shutter, otherwise the file's default
+    /// (usual_method). A shutter allows only lightfield, hybrid and automatic.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;

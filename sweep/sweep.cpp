@@ -206,8 +206,6 @@ class Sweep {
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Whether the method reads sample-file records that are kept in memory (FocusFrame), where several
-    /// images can share them.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
@@ -297,7 +295,6 @@ class Sweep {
         return known->second;
     }
 
-    /// Computes the sample file's depths for the table.
     void prepare() {
         depths_ = with_records([](FocusFrame& frame) { return frame_depths(frame); });
         const auto [low, high] = std::minmax_element(depths_.inverse_z.begin(), depths_.inverse_z.end());

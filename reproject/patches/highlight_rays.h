@@ -17,8 +17,8 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Measures the highlights' error by rays, into `sums`. `light` comes from Lights::add. Rays that only
-    /// decide how many more to trace count in `checks`.
+    /// Traces rays towards the highlights to measure their error, and sets `sums`. `light` comes from
+    /// Lights::add. Rays of the first round are also counted in `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

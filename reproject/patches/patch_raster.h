@@ -108,8 +108,8 @@ void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& pla
 /// transmit it.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
-        in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
-    TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
+        in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
+    TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
     /// Whether the mirror or glass that shows the surface is unrecorded in some pixels. There, `in` holds
     /// in_gap(id) of the nearest recorded object towards the eye.

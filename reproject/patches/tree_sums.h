@@ -57,12 +57,13 @@ class TreeSums {
         /// are drawn fixed to the surface.
         std::array<double, 3> seen{};
         std::array<double, 3>
-            instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
-        double known = 0, wanted = 0;  ///< weight of the views that have the node, and of those that need it
-        double beside = 0;             ///< weight of views that miss the node, but have its descendants
-        double alone = 0;              ///< weight of views that have the node, but miss its parent
-        double bent = 0;               ///< part of `known` that patches with nonlinear W have drawn
-        double total = 0;              ///< weight that the node gets after all views, set by sum_up
+            instead{};  ///< weight times the pinhole's radiance, for views that lack the surface
+        double known = 0,
+               wanted = 0;  ///< weight of the views that show the surface, and of those that need it
+        double beside = 0;  ///< weight of views that lack the surface, but show surfaces seen in it
+        double alone = 0;   ///< weight of views that show the surface, but lack its mirror or glass
+        double bent = 0;    ///< weight of views that show the surface inaccurately (Patch::bent)
+        double total = 0;   ///< weight of the surface after all views, set by sum_up
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
     using Children = std::array<std::uint32_t, 2>;  ///< for each bounce, an index into chains_, or no_chain
