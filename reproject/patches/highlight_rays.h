@@ -18,7 +18,7 @@ class CheckedHighlights {
     std::vector<HighlightCheck> sums;  ///< per pixel
 
     /// Traces rays towards the highlights to measure their error, and sets `sums`. `light` comes from
-    /// Lights::add. Rays of the first round are also counted in `checks`.
+    /// Lights::add. Rays of the first round are counted in `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

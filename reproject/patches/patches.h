@@ -27,8 +27,8 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflection or refraction is drawn fixed to its surface if, over the lens, it moves against it by at
-    /// most this many px. Negative: never.
+    /// A reflection or refraction is drawn fixed to its surface if their displacements over the lens differ
+    /// by at most this many px. Negative: never.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest position error, in px, of a pixel that is reprojected to another lens point or instant.

@@ -32,8 +32,8 @@ class TreeSums {
     /// Starts a view, or one of the two recorded instants that it blends. `primary`: its visible surfaces,
     /// valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares to draw the surfaces seen by the bounces `path`, and stores the pixels that need them.
-    /// Returns null if none does. Draw parent paths first.
+    /// Prepares to draw the surfaces seen by the bounces `path`. Stores the pixels that need them in
+    /// `wanted`, or returns null if none does. Draw shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k: each is
     /// visible, has no edge there, and is accurately reprojected.
