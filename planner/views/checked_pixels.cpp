@@ -16,15 +16,17 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
     // Smallest number of pixels that rays check. The errors that single rays find vary widely, but the mean
     // of 8000 is accurate enough.
-    constexpr int enough_pixels = 8000;
-    const bool is_small = std::int64_t{width} * height < enough_pixels * 16;
-    edge_ = (is_small ? 2 : 4) + (random_rays ? 1 : 0);
+    constexpr std::int64_t enough_pixels = 8000;
+    const std::int64_t pixels = std::int64_t{width} * height;
+    columns_ = pixels < 16 * enough_pixels ? 2 : 4;
+    rows_ = pixels < 4 * enough_pixels ? 1 : columns_;
 }
 
 CheckedPixels::Place CheckedPixels::place_of(int x, int y) const {
-    const auto edge = static_cast<std::uint64_t>(edge_), column = static_cast<std::uint64_t>(x),
-               row = static_cast<std::uint64_t>(y), h = hash_of(column / edge, row / edge, 1);
-    return {h, row % edge * edge + column % edge, h % pixels()};
+    const int column = x / columns_, row = y / rows_;
+    const std::uint64_t h = hash_of(static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row), 1);
+    return {h, static_cast<std::uint64_t>((y - row * rows_) * columns_ + x - column * columns_),
+            h % pixels()};
 }
 
 CheckedPixels::Use CheckedPixels::use(int x, int y) const {
@@ -53,7 +55,7 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    const int checked = random_rays_ ? std::max(8, count / 4) : 2;
+    const int checked = random_rays_ ? std::max(4, count / 4) : 2;
     // Checks consecutive lens points, because they are well distributed over the lens.
     for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %

@@ -10,9 +10,9 @@ namespace postlens {
 /// checked. One states the error of the image, the other decides in which tiles rays replace all view
 /// samples.
 ///
-/// A block has 4 x 4 px (2 x 2 px in small images), and two views of each half are compared in a checked
-/// pixel. If rays have random radiances, the block is 1 px wider, and a quarter of the views are compared, at
-/// least eight.
+/// A block has 4 x 4 px, 2 x 2 px in small images, and 2 x 1 px in the smallest. In a checked pixel, two
+/// views of each half are compared. If rays have random radiances, a quarter of the views are compared, at
+/// least four.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
@@ -36,9 +36,9 @@ class CheckedPixels {
     [[nodiscard]] Place place_of(int x, int y) const;
     /// Number of pixels in a block, of which two are checked.
     [[nodiscard]] std::uint64_t pixels() const {
-        return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
+        return static_cast<std::uint64_t>(columns_) * static_cast<std::uint64_t>(rows_);
     }
-    int edge_;
+    int columns_, rows_;  ///< size of a block, in px
     bool random_rays_;
 };
 

@@ -233,5 +233,35 @@ TEST(BiasedTiles, AreTheLargestErrorsUntilTheOthersAreSmall) {
     EXPECT_EQ(biased_tiles(measured, grid, 1, 1.1e-6), (Tiles{0, 0, 0, 0}));
 }
 
+// 20 pixels of a small image are wrong, such as those that a narrow shadow or reflection crosses between the
+// records. If too few pixels are checked, none of these may be among them, and the stated error is too small.
+TEST(MeasuredError, FindsFewWrongPixelsOfASmallImage) {
+    constexpr int width = 160, height = 90, wrong = 20, images = 16;
+    constexpr double residual = 0.1;  // ray minus record
+    std::mt19937 random(7);
+    std::uniform_int_distribution<std::size_t> anywhere(0, std::size_t{width} * height - 1);
+    for (const bool random_rays : {false, true}) {
+        const CheckedPixels checked(width, height, random_rays);
+        double squares = 0;
+        for (int i = 0; i < images; ++i) {
+            FieldFocus half;
+            half.image = Image(width, height);
+            std::fill(half.image.rgb.begin(), half.image.rgb.end(), 0.5F);
+            half.checks.resize(std::size_t{width} * height);
+            for (int n = 0; n < wrong; ++n)
+                half.checks[anywhere(random)] = {
+                    .views = 1, .rays = 1, .sum = {residual, residual, residual}};
+            double mse = 0;
+            for (const PixelCheck& check : half.checks)
+                mse += std::pow(check.mean(0) * srgb_slope(0.5), 2) / (width * height);
+            const double stated =
+                measured_error(half, half, {}, checked, CheckedPixels::Use::stating).bias_mse;
+            squares += (stated / mse - 1) * (stated / mse - 1) / images;
+        }
+        // Half of the pixels are checked, so the number of wrong ones among them has a binomial distribution.
+        EXPECT_LT(std::sqrt(squares), 1.3 / std::sqrt(wrong)) << random_rays;
+    }
+}
+
 }  // namespace
 }  // namespace postlens::test::mixed_image_test
