@@ -363,11 +363,12 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
     }
     std::vector<std::vector<Highlight>> out(edges.size());
     parallel_for(edges.size(), [&](std::size_t i) {
-        const auto& [surface, areas, found] = edges[i];
-        std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out[i]),
-                     [&](const Highlight& light) { return !found.contains(pixel_of(light)); });
-        measure_slopes(out[i], surface.node, rays);
-        for (const auto& [pixel, m] : found) out[i].insert(out[i].end(), m.lights.begin(), m.lights.end());
+        const Edge& edge = edges[i];
+        std::ranges::copy_if(edge.surface.lights, std::back_inserter(out[i]),
+                             [&](const Highlight& light) { return !edge.found.contains(pixel_of(light)); });
+        measure_slopes(out[i], edge.surface.node, rays);
+        for (const auto& [pixel, m] : edge.found)
+            out[i].insert(out[i].end(), m.lights.begin(), m.lights.end());
     });
     mesh.highlights.clear();
     for (const std::vector<Highlight>& of_surface : out)

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <map>
-#include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
@@ -50,15 +49,17 @@ std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const Foreign
         return s != nullptr && s->inverse_z != 0 && s->alpha > transparent && s->alpha < opaque;
     };
     const auto height = static_cast<std::size_t>(picture.y_end - picture.y_begin);
-    std::vector<std::vector<std::size_t>> rims(height);  // pixels, row by row
+    std::vector<std::vector<std::size_t>> of_rows(height);
     parallel_for(height, [&](std::size_t row) {
         for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
             if (is_rim(at(picture.x_begin + static_cast<int>(i % width),
                           picture.y_begin + static_cast<int>(row))))
-                rims[row].push_back(i);
+                of_rows[row].push_back(i);
         }
     });
-    for (const std::size_t i : rims | std::views::join) {
+    std::vector<std::size_t> rims;
+    for (const std::vector<std::size_t>& row : of_rows) rims.insert(rims.end(), row.begin(), row.end());
+    for (const std::size_t i : rims) {
         const int x = picture.x_begin + static_cast<int>(i % width),
                   y = picture.y_begin + static_cast<int>(i / width);
         const StackSample* rim = at(x, y);
