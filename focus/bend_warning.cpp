@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether reprojection to the rim of the lens misplaces a record by more than most_bend_px.
-/// Reprojection is linear, but the motion of images in mirrors and glass is not.
+/// Tests whether reprojection to the rim of the lens puts a surface sample more than most_bend_px from its
+/// true position. Reprojection is linear, but images in mirrors and glass move nonlinearly.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -30,11 +30,11 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns half the width of a record's blur, in px: the root mean square of the singular values of M = gain
-/// R (I/s - W).
+/// Returns the blur radius of a surface sample, in px: the root mean square of the two semi-axes of its blur
+/// ellipse.
 ///
-/// M converts lens points to px. Gain is the film distance in px, R the aperture radius, s the focus
-/// distance, W the record's 2x2 matrix.
+/// The ellipse is the image of the unit disc (the lens) under the matrix gain R (I / s - W). Gain is the film
+/// distance in px, R the aperture radius, s the focus distance, and W the sample's 2x2 matrix.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -1,5 +1,5 @@
-// Warning about objects in mirrors and glass that are drawn at wrong positions. Their motion over the lens is
-// not linear, but reprojection is.
+// Warns about objects in mirrors and glass that are drawn at wrong positions. They move nonlinearly if the
+// lens point moves, but are reprojected linearly.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace postlens {
 
-/// Returns a warning of code "nonlinear", with the share of pixels that show an object at a wrong position.
-/// For some lens point, the error of reprojection is more than half a pixel.
+/// Returns a warning of code "nonlinear" if some pixels show an object at a wrong position, with the share of
+/// these pixels. There, reprojection to some lens point is wrong by more than half a pixel.
 ///
-/// Returns nothing if no pixel is affected, or if the file has no w_bend (error of reprojection). With a
+/// Returns nothing if no pixel is affected, or if the file has no error of reprojection (w_bend). With a
 /// `crop`, only pixels within it count.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that reprojection misplaces by more than half a pixel for some lens point. Each record
-/// is spread over a square as wide as its blur.
+/// Image of the light that reprojection to some lens point puts more than half a pixel from its true
+/// position. Each surface sample is spread over a square as wide as its blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);

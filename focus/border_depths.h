@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Nearest and farthest depth at each pixel corner of the outermost traced rows and columns. Only surfaces
-/// that the pinhole sees directly count.
+/// Nearest and farthest depth of the surfaces along the border of the traced area, at each pixel corner. Only
+/// surfaces that the pinhole sees directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.

@@ -21,7 +21,7 @@
 namespace postlens {
 namespace {
 
-/// The part of the traced image that the result shows, and its magnification `zoom`.
+/// The rectangle of traced pixels that the result shows, and how much it is magnified.
 struct View {
     RasterWindow window;
     double zoom = 1;
@@ -62,7 +62,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds the records of all rows to `splats` (impulse responses of samples).
+/// Passes the surface samples (records) of all rows to `splats`, which collects them to be blurred.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -70,8 +70,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// Division of an image into strips (groups of rows), which limits the memory for splats (impulse responses
-/// of samples).
+/// Determines into how many groups of rows (strips) an image is divided, to limit the memory for blurred
+/// samples (splats).
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
@@ -79,8 +79,8 @@ struct StripPlan {
     int block_px;            ///< edge of the pixel blocks that are scattered together
 };
 
-/// Computes an image strip by strip (group of rows), to save memory. `draw(part)` computes one strip. The
-/// image is bit-identical to one made without strips.
+/// Computes an image in groups of rows (strips), to save memory. draw(part) computes one strip. The image is
+/// bit-identical to one that is computed at once.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -123,8 +123,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry from px of the magnified image to px of the traced image. The image is blurred
-/// before it is magnified by `zoom`.
+/// Converts the geometry from px of the magnified image to px of the traced image, because images are blurred
+/// before they are magnified by `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;

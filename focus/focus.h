@@ -1,4 +1,4 @@
-// The focus processor: computes the image that a lens forms, from a sample file.
+// Computes the image that a lens forms, from a sample file (samples of surfaces with their depths).
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace postlens {
 
-/// The methods of computing an image. focus_picture does not implement `hybrid` (planner/hybrid.h) and
+/// The methods of computing an image. focus_picture implements all but `hybrid` (planner/hybrid.h) and
 /// `automatic` (planner/auto_picture.h).
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
@@ -72,14 +72,14 @@ struct FocusResult {
 
 /// Computes the image that the lens forms. The result is bit-identical for any number of threads.
 ///
-/// Throws Error(wrong_arguments) if a setting is out of range, or if an orthographic file has a finite
-/// f-number. Throws Error(invalid_input) if the file is damaged.
+/// Throws Error(wrong_arguments) if a setting is out of range, or if the f-number is finite but the file has
+/// an orthographic camera. Throws Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// Computes a single image of a file. Throws the same errors as the other overload.
+/// Computes a single image directly from a file. Throws the same errors as focus_picture(FocusFrame&, ...).
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
-/// Computes the pinhole image by summing the records. It is bit-identical to the flat image in part 0 of the
-/// file.
+/// Computes the image of a pinhole camera by summing the surface samples of each pixel. It is bit-identical
+/// to the flat image that the file also contains (part 0).
 [[nodiscard]] Image pinhole_picture(const SampleFileReader& file,
                                     const std::optional<Crop>& crop = std::nullopt);
 

@@ -17,10 +17,11 @@
 namespace postlens {
 namespace {
 
-/// Smallest coverage of an object that is written to a Cryptomatte. Renderers use a similar limit.
+/// Objects that cover less than this fraction of a pixel are not written to the Cryptomatte. Renderers use a
+/// similar limit.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. Blurred edges show many objects.
-/// Separately computed parts of an image must have the same number.
+/// Smallest number of objects (ranks) that a Cryptomatte stores per pixel. Blurred edges show many objects,
+/// and all separately computed parts of an image must store the same number.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -31,8 +32,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns the signed CoC diameter of the surface that each pixel shows without blur. `effect` is a factor
-/// per pixel, or empty.
+/// Returns the CoC diameter, in px, of the surface that each pixel shows without blur, negative in front of
+/// the focus. It is multiplied by the pixel's `effect`, unless that list is empty.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -51,8 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends each object's share of a pixel between the pinhole image and the blurred image. `effect` is the
-/// weight of the blurred image, from 0 to 1.
+/// Mixes each object's share of a pixel from the blurred image, with the weight `effect` (0 to 1), and the
+/// pinhole image, with the weight 1 - effect.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -77,7 +78,8 @@ void add_sides(const StackField& field, Image& image) {
     }
 }
 
-/// Returns the number of pixels that show more objects than there are ranks.
+/// Adds the channels of a Cryptomatte (object masks) to `image`. Returns the number of pixels that show more
+/// objects than the Cryptomatte stores per pixel.
 std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& field, Image& image) {
     const Cryptomatte& source = *picture.channels.matte;
     std::vector<std::vector<std::pair<float, std::uint32_t>>> ranked(field.shares.size());
@@ -121,8 +123,8 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
         std::count_if(ranked.begin(), ranked.end(), [&](const auto& r) { return r.size() > ranks; }));
 }
 
-/// Returns the standard error of each pixel, as the root mean square over the three channels. It is estimated
-/// from the differences between independent sets of views.
+/// Returns the standard error of each pixel's colour, as the root mean square over the three channels. It is
+/// estimated from the differences between images from independent sets of lens points.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     // Smallest total number of images from single lens points that are compared. With fewer, the measured
@@ -154,8 +156,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds the standard error as a channel. It is multiplied by `effect`, the weight of the blurred image in
-/// each pixel, unless `effect` is empty.
+/// Adds the standard error of each pixel as a channel. It is multiplied by the strength of the blur in the
+/// pixel (`effect`, 0 to 1), unless that list is empty.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

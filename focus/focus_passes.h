@@ -1,5 +1,5 @@
-// Adds channels for compositing to a focused image: CoC, Cryptomatte, error, and the shares of each pixel in
-// front of, in and behind the focus.
+// Adds channels for compositing to a blurred image: CoC, Cryptomatte (object masks), error, and the fractions
+// of each pixel in front of, in and behind the focus.
 #pragma once
 
 #include <string>
@@ -20,11 +20,11 @@ struct FocusPasses {
     [[nodiscard]] bool any() const { return coc || by_views(); }
 };
 
-/// Adds the channels to a focused image. Views through the lens measure the share of each object in a pixel.
-/// `effect` is the strength of the blur in each pixel, from 0 to 1. If it is empty, the strength is 1.
+/// Adds the channels that `passes` selects to a blurred image. `effect` is the strength of the blur in each
+/// pixel, from 0 to 1. If it is empty, the strength is 1.
 ///
-/// Returns the fraction of pixels that show more objects than the Cryptomatte stores per pixel. Their
-/// smallest coverages are left out.
+/// Returns the fraction of pixels that show more objects than the Cryptomatte stores per pixel. The objects
+/// with the smallest coverages are left out there.
 ///
 /// Throws Error(wrong_arguments) if a channel is not available. Throws Error(out_of_memory).
 double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,

@@ -61,8 +61,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all pixels with known content. Pixels of the raster that the file
-/// does not store are known to be empty space.
+/// Returns the range of the corners of all pixels whose content is known. Pixels of the display window that
+/// the file does not store are known to be empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -108,8 +108,8 @@ Guessed guessed(std::span<const Behind> behind) {
     return out;
 }
 
-/// Returns whether blur may show empty space behind a stored pixel. `behind` is the estimated surface behind
-/// this pixel, `open` the transmittance of its samples.
+/// Returns whether blur may reveal empty space behind a stored pixel. `behind` is the estimated surface
+/// behind the pixel, `open` the fraction of light that its samples transmit.
 bool ends_in_nothing(const Behind& behind, double open) {
     return !behind.known && !behind.fills && open > opaque_transmittance;
 }
@@ -124,7 +124,8 @@ std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const Foreig
                     rough(100 * share))};
 }
 
-/// Blurs the colours of an image and, if it is translucent, its alpha.
+/// Blurs an image with the method `scatter` or `layers`: its colours and, if the result is translucent, its
+/// alpha.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -297,7 +298,7 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no view shows, from the pixels around them. Warns if these parts are
+/// Fills the parts of an image that no lens point sees, from the pixels around them. Warns if these parts are
 /// noticeable. Removes the alpha of an opaque image.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {

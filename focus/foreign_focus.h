@@ -1,4 +1,5 @@
-// The focus processor for images of other programs. Each pixel is a stack of samples with depths.
+// Computes the image that a lens forms from another program's image. Each pixel has one or more samples with
+// depths, one behind another.
 #pragma once
 
 #include "focus/focus.h"
@@ -6,16 +7,17 @@
 
 namespace postlens {
 
-/// Computes the image that a lens forms, with `pinhole`, `scatter`, `layers` or `lightfield`. If any sample
-/// is transparent, the result has alpha and premultiplied colours.
+/// Computes the image that a lens forms, with the method `pinhole`, `scatter`, `layers` or `lightfield`. A
+/// translucent result has alpha and premultiplied colours.
 ///
-/// A pixel shared by several objects keeps its mixed colour, unless `unmix_edges` has separated them. The
-/// result is bit-identical for any number of threads. Throws Error(wrong_arguments) if a setting is out of
-/// range or another method is chosen.
+/// Pixels shared by several objects keep their mixed colour, unless `unmix_edges` was called before to
+/// separate them. The result is bit-identical for any number of threads. Throws Error(wrong_arguments) if a
+/// setting is out of range or if the method is none of these four.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked);
 
-/// Returns the impulse response for pixels that are `pixel_aspect` times as wide as tall, in pixel heights.
-/// Throws Error(wrong_arguments) for diffraction or a lens prescription if pixels are not square.
+/// Converts an impulse response to pixels that are `pixel_aspect` times as wide as tall; the unit of length
+/// is the height of a pixel. Throws Error(wrong_arguments) for diffraction or a lens prescription if pixels
+/// are not square.
 [[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
 
 }  // namespace postlens

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Rows are read in bands of rows_per_band rows. A band ends earlier, after at least fewest_rows rows, if it
-/// has enough_records records.
+/// The file is read in groups of rows_per_band rows. A group with at least enough_records surface samples
+/// ends earlier, but not before fewest_rows rows.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Number of rows in each band that is kept in memory. All threads wait for each other at the end of a band,
-/// so small bands would be slow.
+/// Number of rows that are read together and kept in memory. All threads wait for each other after each group
+/// of rows, so small groups would be slow.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {

@@ -1,5 +1,5 @@
-// Provides the records of a sample file for making images. Records are either kept in memory or read again
-// for each image.
+// Provides the surface samples (records) of a sample file for computing images. They are kept in memory, or
+// read again for each image.
 #pragma once
 
 #include <functional>
@@ -20,11 +20,12 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of a frame at instant 0. `band` contains the records of these rows and, if the file
-/// has them, of the row above and the row below.
+/// Rows [y_begin, y_end) of a frame at its first recorded instant. `band` contains the surface samples
+/// (records) of these rows and, if the file has them, of the row above and the row below.
 ///
-/// If the frame keeps its samples, these have one element per `rows_per_task` rows. Otherwise they are empty.
-/// - `samples`: the point samples (eye rays)
+/// If the frame keeps its samples in memory, the lists have one element per `rows_per_task` rows. Otherwise
+/// they are empty.
+/// - `samples`: the eye rays, with the surfaces that they hit
 /// - `plain`: compact copies of those between undivided pixels without reflections
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
@@ -38,10 +39,11 @@ struct FrameRows {
 
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
-/// The data of a sample file that the images of all lenses use: records, point samples and surfaces.
+/// The data of a sample file from which images of all lenses are computed: surface samples (records), eye
+/// rays (point samples) and surfaces.
 ///
-/// Only one thread at a time may use a frame. Exception: visit_rows, once a frame that keeps its rows has
-/// visited them.
+/// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
+/// threads may call visit_rows after a first call has visited them.
 class FocusFrame {
   public:
     /// Set `many` to make several images: the file's data are then kept in memory. Keeps a reference to

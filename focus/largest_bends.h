@@ -1,5 +1,5 @@
-// Finds the largest w_bend of the records that the pinhole sees in each pixel. w_bend is the error of
-// reprojecting a record by its 2x2 matrix W.
+// Finds the largest w_bend of the surfaces that the pinhole sees in each pixel. w_bend states how wrong
+// linear reprojection of a surface to other lens points is.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend of each pixel, in 1/m^2, of records that the pinhole sees. It limits the error of
-/// reprojection. In px, for an aperture of diameter D, the error is at most:
+/// The largest w_bend, in 1/m^2, of the surfaces that the pinhole sees in each pixel. From it follows the
+/// largest error of reprojecting them to other lens points, in px, for an aperture of diameter D:
 ///
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {

@@ -11,12 +11,13 @@
 
 namespace postlens {
 
-/// Prepares the real lens of `settings.impulse`, or returns nothing if there is none. `recorded` is the
-/// window of the recorded pixel corners. Throws if the lens cannot be read or focused.
+/// Reads and focuses the real lens that `settings.impulse` names, or returns nothing if it names none.
+/// `recorded` is the range of the recorded pixel corners. Throws if the lens cannot be read or focused.
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// Creates the model of a real lens from a table of traced rays.
+/// Creates the model that computes the blur kernels of a real lens, from a table of rays traced through the
+/// lens.
 /// - `geometry`: the geometry of `view`, in px of the traced image
 /// - `half_diagonal_px`: half the diagonal of the recorded area, with overscan
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,

@@ -10,11 +10,12 @@
 namespace postlens {
 namespace {
 
-/// There is no warning if missing light reaches less far into the image than this, in px.
+/// A warning appears only if the missing light of surfaces outside the recorded area would reach farther into
+/// the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns how far missing light from beyond the recorded area would reach into the image, in px. There is
-/// one value per pixel along the side.
+/// Returns how far the light of surfaces outside the recorded area would reach into the image, in px. There
+/// is one value per pixel along one side of the image.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

@@ -1,4 +1,4 @@
-// Warning about pixels that lack light from surfaces beyond the recorded area.
+// Warns about pixels that lack light, because surfaces outside the recorded area would be blurred into them.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,9 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if circles of confusion at the border are wider than the overscan.
-/// The image then lacks light from beyond. With a `crop`, only its pixels count.
+/// Returns a warning of code "overscan" if circles of confusion at the border are wider than the overscan
+/// (pixels recorded outside the image). The image then lacks light of surfaces farther outside. With a
+/// `crop`, only pixels within it count.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// The traced pixels that an output pixel covers along one axis, and the share of the output pixel that each
-/// of them fills.
+/// The traced pixels that an output pixel covers along one axis, beginning with `first`, and the fraction of
+/// the output pixel that each of them fills.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1

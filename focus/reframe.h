@@ -1,4 +1,5 @@
-// Crops or zooms an image about its centre, to match the framing of another film distance.
+// Magnifies or shrinks an image about its centre, so that it shows what a film at another distance from the
+// lens would show.
 #pragma once
 
 #include "focus/scatter/splat_tables.h"
@@ -10,8 +11,8 @@ namespace postlens {
 /// its centre. For zoom < 1, they extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Magnifies `traced`, the pixels of `window`, by `zoom` about the centre. Each output pixel is the mean of
-/// the traced pixels that it covers, weighted by area.
+/// Magnifies an image by `zoom` about its centre. `traced` contains its pixels within `window`. Each output
+/// pixel is the mean of the traced pixels that it covers, weighted by area.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

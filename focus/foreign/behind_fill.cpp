@@ -15,13 +15,14 @@
 namespace postlens {
 namespace {
 
-/// Neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this, in
-/// px.
+/// Samples of neighbouring pixels belong to different surfaces if their signed CoC radii (negative in front
+/// of the focus) differ by at least this, in px.
 constexpr float least_step_px = 1;
-/// Largest distance, in px, over which the search looks for a surface behind an edge.
+/// Largest distance, in px, from a pixel at an edge to the farther surface that is assumed to continue behind
+/// it.
 constexpr float farthest_px = 512;
 
-/// Two signed CoC radii of a sample, in px. They are infinite for empty space.
+/// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.
 /// - `own`: radius for the true depth
 /// - `blur`: radius of the blur, which an effect such as "keep this object sharp" may change
 struct Radii {
@@ -30,8 +31,8 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample `other` lies behind `own` and belongs to another surface. Their true radii or
-/// blur radii must differ by at least least_step_px.
+/// Returns whether a sample with the CoC radii `other` lies behind a sample with the radii `own`, on another
+/// surface. Their true radii or their blur radii must differ by at least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -57,8 +58,8 @@ FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& ape
     return out;
 }
 
-/// The search compares only the last (farthest) samples of pixels. A pixel that is not opaque counts as empty
-/// space, unless `fills_` marks it as opaque.
+/// Searches for surfaces behind edges among the farthest samples of neighbouring pixels. A pixel that is not
+/// opaque counts as empty space, unless `fills_` marks it as opaque.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -401,7 +402,8 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// Summed-area table: computes sums over rectangles of a raster. Outside the raster, all values are 0.
+/// Summed-area table, which returns the sum of the values in any rectangle of a raster in constant time.
+/// Values outside the raster count as 0.
 class RectangleSums {
   public:
     RectangleSums(int width, int height, const std::vector<float>& values)

@@ -1,4 +1,5 @@
-// Estimates what a lens sees behind an edge: a farther surface or empty space. A flat image does not show it.
+// Estimates which surface, or empty space, a lens sees behind an edge. An image of a pinhole does not show
+// it.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +14,16 @@
 
 namespace postlens {
 
-/// Returns the window that contains the raster (the file's display window) and all stored pixels. Pixels of
-/// the raster that are not stored are empty space.
+/// Returns the smallest rectangle that contains the file's display window and all stored pixels. Pixels of
+/// the display window that are not stored are empty space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};
 }
 
-/// Returns the geometry of the smallest round lens that contains an aperture. It limits how far blur reveals
-/// surfaces, because a stretched aperture spreads light farther than a CoC radius.
+/// Returns `geometry` with the radius of the smallest circle that contains an aperture of any shape. The
+/// light of a stretched aperture spreads farther than a CoC radius, and so may reveal more of the surfaces
+/// behind.
 [[nodiscard]] FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture);
 
 /// Estimate of the surface behind an opaque pixel.
@@ -36,11 +38,12 @@ struct Behind {
     bool fills = false;  ///< the pixel is translucent, with only empty space behind it and its neighbours
 };
 
-/// Estimates the surface behind each stored pixel. It searches eight directions for a farther surface whose
-/// blur reaches the pixel. Empty space counts as the farthest surface.
+/// Estimates which surface lies behind each stored pixel, because a lens may see past an edge. It searches
+/// eight directions for a farther surface whose blur reaches the pixel. Empty space counts as the farthest
+/// surface.
 ///
-/// The colour is a mean, weighted by 1 / squared distance. If samples have ids, only the object with the
-/// largest sum of weights counts.
+/// The colour is the mean of the samples found, weighted by 1 / squared distance. If samples have ids, only
+/// the object with the largest sum of weights counts.
 class BehindSearch {
   public:
     /// Keeps references to `picture` and `geometry`. `aberration_px` is how far spherical aberration spreads
@@ -59,10 +62,11 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns an upper bound of the share of each pixel that shows empty space after blurring, row by row.
+/// Returns, for each pixel, an upper bound of the fraction that shows empty space after blurring. Pixels are
+/// in rows, from the top.
 ///
-/// The bound is 1 for an empty pixel. Otherwise it is the empty area in the bounding square of the pixel's
-/// CoC, divided by the area of the CoC. It may exceed 1.
+/// The bound is 1 for an empty pixel. Otherwise it is the empty area in the square around the pixel's circle
+/// of confusion, divided by the area of the circle. It may exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

@@ -34,8 +34,8 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns the samples of the pixels along one side of the picture. The side begins at the pixel (x, y) and
-/// runs right or down.
+/// Returns, for each pixel along one side of the image, its samples and how far they are repeated beyond the
+/// border. The side begins at the pixel (x, y) and runs right (along_x = 1) or down (along_y = 1).
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
     // Direction from this side of the image to its interior.
     const int dx = along_x != 0      ? 0
@@ -74,8 +74,8 @@ BorderExtension::Continued BorderExtension::continue_inwards(const StackSample& 
     return out;
 }
 
-/// Returns the sample of pixel (x, y) that continues the surface of `sample`, which lies in a neighbouring
-/// pixel. Returns null if there is none.
+/// Returns the sample of pixel (x, y) that lies on the same surface as `sample`, which belongs to a
+/// neighbouring pixel. Returns null if there is none.
 const StackSample* BorderExtension::next_of(const StackSample& sample, int x, int y) const {
     if (!p_.stores(x, y)) return nullptr;
     const auto apart = [&](const StackSample& s) {

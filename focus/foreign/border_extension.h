@@ -1,5 +1,5 @@
-// Estimates the surfaces beyond the border of another program's image, because their blur reaches into the
-// image.
+// Estimates the surfaces beyond the border of an image from another program, because their blur reaches into
+// the image.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Continues the surfaces of an image beyond its border, as far outwards as inwards, but not farther than
-/// their blur. Colour and alpha are means over the inner part.
+/// Continues the surfaces at an image's border beyond it, as far as they extend inside, but not farther than
+/// their blur. Colour and alpha are means over this distance inside the image.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.

@@ -1,5 +1,5 @@
-// Effects that a compositor applies to single objects before the image is blurred: holdouts, sharp objects,
-// and offsets in depth.
+// Effects that a compositor applies to single objects before the image is blurred: holdouts (hide others, but
+// are not drawn), sharp objects, and offsets in depth.
 #pragma once
 
 #include <vector>
@@ -24,11 +24,11 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Throws the errors of
+/// Applies the effects to all samples of the objects that `effects` names. Throws the errors of
 /// `choose_samples`.
 ///
-/// An offset moves an object at most to 1 mm in front of the camera. If it is larger, the warning `offset` is
-/// added to picture.repairs.
+/// An offset that would move a sample nearer than 1 mm to the camera moves it to 1 mm, and adds the warning
+/// `offset` to picture.repairs.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

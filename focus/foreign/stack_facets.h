@@ -1,5 +1,5 @@
-// Converts the samples of another program's image to quadrilaterals. Views draw them as seen from many lens
-// points.
+// Converts each sample of an image from another program to a quadrilateral, which can be drawn as seen from
+// many lens points.
 #pragma once
 
 #include <array>
@@ -17,10 +17,11 @@
 namespace postlens {
 
 /// Returns whether samples of neighbouring pixels belong to one surface. Their ids must be equal or missing.
-/// Their CoC radii must differ by less than a pixel, or by less than a 16th above 16 px.
+/// Their CoC radii must differ by less than a pixel or, above 16 px, by less than 1/16 of the radius.
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
-/// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
+/// A sample of an image as a quadrilateral that covers its pixel, with a depth at each corner. A pixel may
+/// have several, one behind another.
 struct Facet {
     /// Number of corners of a pixel. The corner at (x, y) has the index x + 2 y, where x and y are 0 or 1.
     static constexpr std::size_t corners = 4;
@@ -31,8 +32,8 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image as quadrilaterals, sorted by pixel, with estimated surfaces behind edges and
-/// beyond the border. Neighbours of one surface have the same depth at common corners.
+/// All samples of an image as quadrilaterals, sorted by pixel, with estimated surfaces behind edges and
+/// beyond the border. Neighbouring quadrilaterals of one surface have the same depth at common corners.
 class Facets {
   public:
     /// `behind` is the estimated surface behind each pixel of the image `p`, or is empty. `border` must have

@@ -20,7 +20,7 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// The image from one lens point. It samples every pixel at the same position in the pixel.
+/// A lens point from which the image is drawn. The image is sampled at the same position in every pixel.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
@@ -41,7 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns what a view sees behind the samples of each pixel: 1 for empty space, 0 for something unknown.
+/// Returns, for each pixel, what a lens point sees that looks past all samples of the pixel: 1 for empty
+/// space, 0 for something that the file does not show.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -63,8 +64,8 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a facet (quadrilateral of a sample) is opaque in a view. The fraction of such views equals
-/// its alpha (stochastic transparency).
+/// Returns whether a translucent sample is opaque as seen from lens point number `view`. It is so from a
+/// fraction of the lens points that equals its alpha (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     // A sample is opaque from this lens point if its alpha exceeds a pseudo-random number (scrambled van der

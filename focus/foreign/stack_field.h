@@ -1,4 +1,4 @@
-// The light field of another program's image: the mean of views from many lens points.
+// Blurs an image from another program as a light field: the mean of the images seen from many lens points.
 #pragma once
 
 #include <cmath>
@@ -28,8 +28,8 @@ struct StackFieldSettings {
     }
 };
 
-/// The share of a pixel that shows one object. Parts in front of, in and behind the focus are counted
-/// separately.
+/// The fraction of a pixel in which one object is visible. Parts in front of, in and behind the focus are
+/// counted separately.
 struct ObjectShare {
     std::uint32_t id = 0;  ///< 0 for samples without an id
     int side = 0;          ///< -1 in front of the focus, 1 behind, 0 if the CoC diameter is at most 1 px
@@ -49,19 +49,19 @@ struct StackField {
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
-/// Draws a view of the image from each lens point and returns the mean of the views. `behind` is the
-/// estimated surface behind each pixel, or empty.
+/// Draws an image as seen from many lens points, and returns the mean. `behind` is the estimated surface
+/// behind each pixel, or empty.
 ///
-/// Each sample is drawn as a quadrilateral, the square of its pixel. It is opaque in a random fraction of the
-/// views that equals its alpha (stochastic transparency [enderton2010]).
+/// Each sample is drawn as a quadrilateral, the square of its pixel. It is opaque from a random fraction of
+/// the lens points that equals its alpha (stochastic transparency [enderton2010]).
 ///
 /// The result is bit-identical for any number of threads and any `drawn`. Throws Error(wrong_arguments) if
-/// the number of views is out of range. Throws Error(out_of_memory).
+/// the number of lens points (`views`) is out of range. Throws Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by StackField::covered, so that views past the image do not
-/// darken it. Pixels with `covered` = 0 do not change.
+/// Divides the colours and alpha of each pixel by its mean alpha StackField::covered, so that lens points
+/// that see past the image do not darken it. Pixels with `covered` = 0 do not change.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
-/// composited. Even many samples of this weight hide almost nothing.
+/// Smallest alpha with which samples are composited. Samples that emit light but hide nothing have the alpha
+/// 0, but need a positive weight. Even many samples of this weight hide almost nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;

@@ -1,5 +1,5 @@
-// Converts a pixel's stack of samples to PixelLight, the input of scattering. Light that the pinhole sees is
-// separated from hidden light.
+// Converts the samples of an image from another program to light that can be blurred (PixelLight). Light that
+// the pinhole sees is separated from light that nearer samples hide.
 #pragma once
 
 #include <span>
@@ -12,11 +12,11 @@
 
 namespace postlens {
 
-/// What is converted to light: a sample's colour, or its alpha as the value of all three channels.
+/// The value of a sample that is blurred: its colour, or its alpha in all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts stacks of samples, one at a time. With the transmittance T in front of a sample, the pinhole sees
-/// T times its light, and 1 - T is hidden.
+/// Converts the samples of pixels to light that can be blurred, one pixel at a time. If nearer samples
+/// transmit the fraction T of a sample's light, the pinhole sees T, and 1 - T is hidden.
 ///
 /// Samples form one surface if their signed CoC radii differ by less than a pixel (above 16 px, by less than
 /// a 16th of the radius).

@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window. It is
-/// empty if all pixels get light.
+/// Returns a test whether the aperture transmits light through one lens point to the image pixel (x, y). The
+/// test is empty if the aperture is the same for all pixels.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -32,8 +32,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Divides the objects into classes that move alike on the raster. Each object with its own motion is a
-/// class. Objects that move only with the camera are class 0.
+/// Numbers the motions of a scene. Each object that moves by itself has its own number, from 1. All other
+/// objects move at most with the camera, and have the number 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -66,8 +66,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`, with their weights and
-/// motions.
+/// Chooses the recorded instants whose surfaces are reprojected to make an image at the instant `time_s`.
+/// Each has a weight, and the objects' motions up to that instant.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -76,9 +76,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the crop has a pixel that is drawn, although no view sees it. It is filled from known
-/// pixels, which may lie outside the crop. Squares of `piece_px` that no set of the image `number` wants are
-/// not drawn.
+/// Returns whether the crop has a drawn pixel in which no lens point sees a recorded surface. Such gaps are
+/// filled from surrounding pixels, which may lie outside the crop.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;

@@ -1,5 +1,5 @@
-// The light field over lens and shutter. The image is the mean of many views, each reprojected from the
-// records to one lens point and instant.
+// Computes an image with lens blur and motion blur as a light field. It is the mean of many images, each
+// reprojected from the recorded samples to one lens point and one instant.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,8 @@
 
 namespace postlens {
 
-/// The time during which the shutter is open, the weight of each instant, and the motion.
+/// The exposure of a frame: when the shutter opens and closes, in s, how much each instant counts (`curve`),
+/// and how objects and camera move.
 struct FieldShutter {
     const FrameMotion* motion = nullptr;
     double open_s = 0, close_s = 0;
@@ -50,13 +51,14 @@ struct FieldFocusSettings {
     const SightRays* rays = nullptr;
 };
 
-/// The mean of the views. Pixels that no view shows are filled from the pixels around them.
+/// The mean of the images from all lens points. Pixels in which no lens point sees a recorded surface are
+/// filled from the surrounding pixels.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
 
-/// The views [first, first + count) of a set. Their mean is an image. The lens points of a set form one
-/// scrambled Sobol sequence.
+/// Selects the lens points whose images are averaged: `count` consecutive points of a scrambled Sobol
+/// sequence, from the point `first`. `set` selects the sequence.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
@@ -77,8 +79,8 @@ struct FieldViews {
 class FieldStrips;
 struct OneSurface;
 
-/// Prepares the surfaces of a frame once, to draw several images through one lens. Keeps a reference to the
-/// frame.
+/// Draws several images of a frame through one lens, from surfaces that are prepared only once. Keeps a
+/// reference to the frame.
 class FieldFocuser {
   public:
     /// `settings.views` and `settings.leave_out_from_share` are ignored.
@@ -111,7 +113,8 @@ class FieldFocuser {
     std::unique_ptr<Prepared> prepared_;
 };
 
-/// Draws one image. The result is bit-identical for any number of threads.
+/// Computes one image with lens blur, as the mean of the images from many lens points. The result is
+/// bit-identical for any number of threads.
 [[nodiscard]] FieldFocus field_focus(FocusFrame& frame, const FieldFocusSettings& settings);
 
 }  // namespace postlens

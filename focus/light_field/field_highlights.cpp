@@ -14,60 +14,62 @@
 namespace postlens {
 namespace {
 
-/// A highlight is blurred if the smaller semi-axis of its CoC exceeds this, in px. The mean of the views
-/// would show it as separate dots.
+/// Highlights with at least this blur radius, in px, are spread by blur kernels (smaller semi-axis, if the
+/// blur is an ellipse). The mean of images from single lens points would show them as separate dots.
 constexpr double spread_from_px = 2;
-/// Limit for the smaller semi-axis of a highlight's CoC, in px. Below it, the whole lens sends the
-/// highlight's light to a single pixel.
+/// Highlights with a smaller blur radius than this, in px, count as sharp: they send light from the whole
+/// lens to a single pixel.
 constexpr double seen_by_all_px = 0.5;
-/// Limits, in px^2, for the total area of the highlights of a sheet (surface within 16 x 16 px). Only below
-/// them are sharp highlights spread by their impulse responses.
-/// - sharp_px2: nothing hides a part of them
-/// - small_px2: partly hidden, in a mirror or behind glass
+/// Sharp highlights are spread by blur kernels only if their total area on one surface (within 16 x 16 px) is
+/// less than this, in px^2:
+/// - sharp_px2, if nothing hides a part of them
+/// - small_px2, if they are partly hidden, and seen in a mirror or through glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Highlights of one surface are merged within squares of this edge, in px.
+/// Highlights of one surface within a square of this edge, in px, are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// How often merged_px may be halved, down to 1/8 px. The centres of such squares are multiples of 1/16 px,
-/// to which kernels are rounded (KernelKey::phase_steps).
+/// How often merged_px, the edge of squares in which highlights are merged, may be halved (down to 1/8 px).
+/// Finer squares are useless, because kernel positions are rounded to 1/16 px (KernelKey::phase_steps).
 constexpr int most_halvings = 2;
-/// Half an 8-bit step of a dark sRGB value, as scene-linear radiance. The slope of the sRGB curve is 12.92
-/// there.
+/// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
+/// 12.92 times as fast as scene-linear radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
-/// Moving highlights are merged within squares, which grow with the number of instants. Their width is:
+/// The number of instants at which moving highlights are drawn determines the width of the squares in which
+/// they are merged:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
 /// - merged_px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Limit for the number of light sources of moving highlights, which have one source per instant. Above it,
-/// each highlight gets fewer instants, but at least least_moments.
+/// Limit for the number of light sources that represent moving highlights, one per highlight and instant. To
+/// meet it, highlights are drawn at fewer instants, but at no fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance of white. Light above this value is spread as a highlight.
+/// Radiance of white. Only the part of a radiance above this value is treated as a highlight, and spread by
+/// blur kernels.
 constexpr float white = 1;
-/// Smallest radiance above white, in any channel, of a highlight that does not move. Views show dimmer light
-/// with little noise.
+/// A resting highlight is spread by a blur kernel only if its radiance exceeds white by this, in some
+/// channel. Dimmer light causes little noise when images from single lens points are averaged.
 constexpr float least_radiance = 1;
-/// Edge of squares of the image, in px. Highlights of a surface in one square share one computation of
-/// visibility.
+/// Edge, in px, of image squares. What nearer surfaces hide is computed once for all highlights of a surface
+/// in one square.
 constexpr double group_px = 1.5;
 
 double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. More light
-/// passes through the side of the lens that sees it larger.
+/// Returns how far a highlight's blur shifts, in px, because its surface is inclined. The side of the lens
+/// that sees the surface larger receives more light.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px is halved for a highlight that does not move, so that merging causes no
-/// visible error.
+/// Returns how often merged_px, the edge of squares in which resting highlights are merged, must be halved to
+/// make the error invisible.
 ///
-/// A square of edge a and radiance L has the radiance L a^2 / A in its CoC of area A. Merging may take a / 8
-/// of it from a pixel at the rim of the CoC.
+/// A square of edge a and radiance L, blurred over an area A, adds the radiance L a^2 / A to a pixel. Merging
+/// may remove a / 8 of it from a pixel at the rim of the blur.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -268,8 +270,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     }
 }
 
-// Groups the highlights of one surface within squares of the edge group_px. They share one computation of
-// visibility, which displaces shadows of nearer surfaces by less than group_px.
+// Groups the highlights of one surface within squares of the edge group_px, to compute only once what nearer
+// surfaces hide of them. The shadows of these surfaces shift by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

@@ -1,5 +1,5 @@
-// Spreads the highlights of a light field with their exact impulse responses. Nearer surfaces may hide parts
-// of them.
+// Spreads highlights (very bright light) in a light field with exact blur kernels. Nearer surfaces may hide
+// them from parts of the lens.
 #pragma once
 
 #include <memory>
@@ -16,16 +16,16 @@
 
 namespace postlens {
 
-/// Returns the rule that selects the highlights to be spread by their impulse responses. The mean of a few
-/// views would show copies of them. None are selected if the impulse response varies or has spherical
+/// Returns the rule that selects highlights to be spread by blur kernels, because the mean of a few images
+/// would show copies of them. It selects none if the kernel varies over the image or has spherical
 /// aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// Highlights that were taken out of the recorded surfaces, to be spread by their impulse responses. A pixel
-/// gets a highlight's light through one lens point, if that point sees the highlight.
+/// Highlights that were removed from the recorded surfaces, to be spread by blur kernels. A pixel receives a
+/// highlight's light through each lens point that sees the highlight.
 ///
-/// Visibility is exact for the brightest highlights of a tile that do not move and are seen directly. For
-/// other highlights, the views nearest to the lens point decide.
+/// Visibility is computed exactly for the brightest highlights in each tile of the image that rest and are
+/// seen directly. For all others, it is taken from the nearest lens points for which an image is reprojected.
 class FieldHighlights {
   public:
     /// - `sheets`: the surfaces whose highlights are blurred; must outlive this object

@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. Kernels may
-/// exceed the CoC, because their sizes are rounded.
+/// A highlight's blur kernel reaches at most kernel_grows times as far as its circle of confusion, plus
+/// kernel_margin_px. It may exceed the circle, because kernel sizes are rounded.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A surface stays in memory for later strips if some view displaces it by more than far_px vertically.
-/// Together, such surfaces need at most most_far_bytes.
+/// A large image is drawn in groups of rows. A surface stays in memory for later groups if some lens point
+/// sees it shifted vertically by more than far_px. Together, such surfaces need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -36,8 +36,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// Returns the surfaces for which wanted(reach) is true. `reaches` has the raster rows in which views may
-/// show each surface.
+/// Returns the surfaces i for which wanted(reaches[i]) is true. reaches[i] is the range of image rows in
+/// which some lens point may see surface i.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;

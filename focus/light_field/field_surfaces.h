@@ -1,5 +1,5 @@
-// The surfaces from which a light field is drawn: those of the whole file, or those that reach a strip of the
-// image.
+// Provides the recorded surfaces from which a light field is drawn: all surfaces of the file, or only those
+// that appear in one group of image rows.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// The surfaces of each recorded instant. Sheets are the surfaces within squares of the raster. Patches are
-/// the planar parts of sheets.
+/// The recorded surfaces (`sheets`) of each recorded instant, in squares of 16 x 16 px. `primary` and
+/// `deeper` are their planar parts: those seen directly, and those seen by reflection or transmission.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -34,17 +34,17 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates the memory of a file's surfaces and patches (planar parts of surfaces), in bytes per record,
-/// from a few of its rows.
+/// Estimates how much memory the recorded surfaces of a file need, in bytes per surface sample (record), from
+/// a few rows of the file.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces for one strip (group of rows) of an image at a time, to save memory.
+/// Reads the surfaces that appear in one group of image rows at a time, to save memory.
 ///
-/// The first read keeps the few surfaces that views displace far. Later reads need only the rows close to the
-/// strip.
+/// The first read keeps the few surfaces that some lens point sees far away from their recorded rows. Later
+/// reads therefore need only rows near the group.
 class FieldStrips {
   public:
     /// Keeps references to its arguments.

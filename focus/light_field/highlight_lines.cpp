@@ -1,4 +1,5 @@
-// Aims lines of sight at the highlights of a light field, to check their light with rays.
+// Chooses rays from a pixel through the lens to the highlights of a light field, to check the highlights'
+// light by tracing.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,14 +13,14 @@
 namespace postlens {
 namespace {
 
-/// Number of attempts to find a lens point for a line of sight.
+/// Number of random attempts to find a ray from a highlight through both the aperture and the pixel.
 constexpr int attempts = 256;
-/// Factor for the number of lines aimed at sharp moving highlights near a pixel. Many of these lines miss the
-/// highlight.
+/// Factor by which the number of rays through a pixel increases if a sharp moving highlight passes nearby.
+/// Many of these rays miss the highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface that pass near a pixel. They are near during the parts `spans` of
-/// the exposure.
+/// Sharp moving highlights of one surface that pass near a pixel. `spans` are the parts of the exposure, as
+/// fractions of its length, in which they are near.
 struct Passing {
     NodeIdentity identity;
     double light = 0;

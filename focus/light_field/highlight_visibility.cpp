@@ -1,5 +1,5 @@
-// Computes the share of each highlight's light that reaches the pixels of a tile (square of the image) in a
-// set of views.
+// Computes how much of each highlight's light reaches the pixels of a tile (square of the image) past the
+// surfaces in front of it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,28 +18,31 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight if its inverse depth 1/z' is larger by more than this factor.
+/// A surface hides a highlight only if its inverse depth is more than this many times the highlight's.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile (square of the image), in views of the tile. It
-/// rises to the tile's number of views.
+/// Limits the time for computing which highlights are hidden in a tile (square of the image). The limit is
+/// the time for drawing the tile from this many lens points, or from all lens points of the image if there
+/// are more.
 constexpr std::size_t least_drawn = 64;
-/// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
+/// Smallest estimated time for drawing once what hides a group of highlights. Unit: the time for drawing a
+/// whole tile (square of the image) from one lens point.
 constexpr double least_cost = 0.1;
-/// Positions in a pixel at which visibility is sampled. They differ in rows and columns.
+/// Positions in a pixel, in px, at which it is tested whether a highlight is hidden. No two share a row or
+/// column of a 4 x 4 grid.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Points that represent a group of highlights, one per visibility sample, in standard deviations from the
-/// group's centre. Their mean is 0 and their variance 1 along each axis.
+/// Four points that represent a group of highlights when testing what hides it. Unit: standard deviations of
+/// the highlights' positions from their centre. The points have mean 0 and variance 1 along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// A nearer surface casts one shadow for each highlight of a group. A single shadow replaces them if the
-/// standard deviation of their positions is below this, in px.
+/// For each highlight of a group, a nearer surface casts a shadow onto the image. The shadows are computed as
+/// one if the standard deviation of their positions is at most this, in px.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// Adds the light of the highlights to one set of views. The views nearest to each lens point decide whether
-/// a highlight is visible.
+/// Adds the light of highlights to the mean of images from a set of lens points. Whether a part of the lens
+/// sees a highlight is usually taken from the nearest of these lens points.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,

@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// What a ray can determine about a surface: its path, the id of the last reflecting or transmitting object,
-/// its own id, and its square of the raster.
+/// What a ray can determine about the surface that it hits: reflections and transmissions on the way (path),
+/// last reflecting or transmitting object, object of the surface, and 16 x 16 px square of the image.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -36,11 +36,12 @@ struct BrightLight {
     double blur_px = 0;  ///< largest radius of its circles of confusion
 };
 
-/// Views show bright light that fills at least this share of its blur. With 0.5 instead of 0.9, `auto` took 0
-/// to 70 % less time in four random scenes.
+/// Bright light that fills at least this fraction of its blurred area is not spread by blur kernels. With 0.5
+/// instead of 0.9, `auto` took 0 to 70 % less time in four random scenes.
 constexpr double filling = 0.5;
 
-/// Returns whether the bright light around a directly visible surface fills the squares within its blur.
+/// Returns whether bright light fills most of the image squares (16 x 16 px) within the blur of a directly
+/// visible surface.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
     const auto [path, parent_id, id, x, y] = surface;
     constexpr double most_px = 1e5;  // wider than any image
@@ -55,16 +56,16 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the records contain all of a highlight's light, for every lens point. In a mirror or
-/// behind glass, nothing may hide it, and its reprojection must be accurate.
+/// Returns whether the file contains a highlight's whole light for every lens point. If a mirror or glass
+/// shows the highlight, nothing may hide it, and reprojection must place it accurately.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
     return light.hides == Hides::nothing && lens.bend_px_m2 * static_cast<double>(light.bend) <= most_bend_px;
 }
 
-/// Returns whether some lens points see a surface edge-on or from behind. The records then lack light that
-/// the lens sees.
+/// Returns whether some lens points see a bright surface edge-on or from behind. The recorded light is then
+/// incomplete.
 ///
 /// Rays measure the slope at random points of `lights`, highlights of object `id`. At least half must be
 /// steep, because even a round surface is steep at its outline.

@@ -1,4 +1,4 @@
-// Selects the highlights that are spread by their impulse responses in images that use rays.
+// Selects the highlights that are spread by blur kernels in images of the methods that also trace rays.
 #pragma once
 
 #include "reproject/patches/patches.h"
@@ -7,14 +7,14 @@
 
 namespace postlens {
 
-/// Restricts `rule`, which selects highlights, to those that a ray can recognise. Returns their radiance,
+/// Restricts `rule`, which selects the highlights to be spread by blur kernels. Returns the selected light,
 /// which rays must leave out.
 ///
-/// A ray knows only which surface it hits, so all bright light of a surface is selected, or none. None is
-/// selected if:
-/// - different rays get different radiance (SightRays::steady)
-/// - the records lack some of the surface's bright light
-/// - the light fills most of its blur, because many views then show it
+/// A ray recognises only which surface it hits, so all bright light of a surface is selected, or none. None
+/// is selected if:
+/// - different rays see different radiance on the surface (SightRays::steady is false)
+/// - the file lacks some of the surface's bright light
+/// - the light fills most of its blur, because images from many lens points then show it
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
                                            bool moves, HighlightRule& rule);
 

@@ -21,16 +21,17 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Returns whether the impulse response comes from the aperture of a thin lens, so that views through single
-/// lens points exist. Diffraction and real lenses have none.
+/// Returns whether single lens points see sharp images whose mean is the blurred image. This holds for the
+/// aperture of a thin lens, but not for diffraction and real lenses.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);
 
-/// Returns the views [first, first + views) of a set. Their lens points are distributed like the aperture's
-/// transmittance. They come from a five-dimensional Sobol sequence [joe2008] with Owen scrambling [owen1995].
+/// Returns the lens points [first, first + views) of a set, each with a sample position in the pixel and an
+/// instant. They are distributed like the aperture's transmittance, by a five-dimensional Sobol sequence
+/// [joe2008] with Owen scrambling [owen1995].
 ///
-/// Sets are scrambled independently, so the difference of their means shows the noise. Throws
+/// Sets are scrambled independently, so the difference of their mean images shows the noise. Throws
 /// Error(wrong_arguments) if `views` is below 1 or the set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,

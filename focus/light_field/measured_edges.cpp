@@ -19,21 +19,21 @@
 namespace postlens {
 namespace {
 
-/// Number of rays per pixel, along each axis, that measure the edge of a highlight. The measured area then
-/// has a standard deviation of about 0.007 px^2 per pixel.
+/// Number of rays per pixel and axis that measure which area a highlight covers in a pixel that its edge
+/// crosses. The standard deviation of this area is about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area, in px^2, below which a light counts as small. Up to finest_rays x finest_rays rays measure it, with
-/// an error of at most 1 %.
+/// Up to finest_rays x finest_rays rays per pixel measure highlights smaller than small_light_px2, in px^2.
+/// The error of the measured area is at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// Number of squares, along each axis, into which the measured part of a pixel is divided. The hits within a
-/// square form one highlight.
+/// Rays measure a highlight in a part of a pixel, which is divided into this many squares per axis. The rays
+/// that hit the highlight in one square are merged into a single small highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured, as a fraction of the pixels of all surfaces, but at least
-/// least_measured. If more contain an edge, none are measured.
+/// Largest number of pixels in which rays measure highlights, as a fraction of the pixels of all surfaces,
+/// but at least least_measured. If more pixels contain an edge of a highlight, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// Highlights that cover more than this area in a pixel, in px^2, fill it.
+/// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column
@@ -42,7 +42,8 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// The part of a pixel that rays measure. Positions are in px within the pixel.
+/// The part of a pixel in which rays measure a highlight. `begin` and `end` are two opposite corners, in px
+/// within the pixel.
 struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
@@ -59,7 +60,7 @@ struct Measured {
     glm::bvec2 low{false}, high{false};
 };
 
-/// The highlights of one surface, seen along one path (sequence of reflections and transmissions).
+/// Highlights of one object that are seen by the same sequence of reflections and transmissions.
 struct BrightSurface {
     NodeIdentity node;
     std::span<const Highlight> lights;  ///< sorted by pixel
@@ -179,8 +180,8 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] passes
-/// through the pinhole and lights[i]. Other highlights remain unchanged.
+/// Measures the depth and slope of a surface at its directly visible highlights. lines[i] is the ray through
+/// the pinhole to lights[i]. Highlights in mirrors or behind glass do not change.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -195,8 +196,8 @@ void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> line
     }
 }
 
-/// Measures the depths and slopes of recorded highlights, with rays through the pinhole and the highlights'
-/// positions.
+/// Measures the depth and slope of a surface at its recorded highlights, with a ray through the pinhole to
+/// each.
 void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const SightRays& rays) {
     constexpr std::size_t lines_per_task = 4096;
     parallel_for((lights.size() + lines_per_task - 1) / lines_per_task, [&](std::size_t task) {
@@ -267,8 +268,8 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// Returns where light that was measured in a part of a pixel continues: in a larger part, or in neighbouring
-/// pixels. Fewer rays might miss narrow light there.
+/// Rays found that a highlight touches the border of the part of a pixel that they searched. Returns the
+/// areas to be searched next: a larger part of the pixel, and neighbouring pixels.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;

@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// Measures the edges of bright surfaces with rays through the pinhole, because coarse records misjudge the
-/// area of small highlights. Replaces the highlights of `mesh` in the pixels that an edge crosses.
+/// Measures the area of highlights with rays through the pinhole, where an edge of the highlight crosses a
+/// pixel. Replaces the highlights of `mesh` there, because coarse records misjudge the area of small ones.
 ///
 /// A pixel is measured if the light is smaller than a pixel, or if the records are farther apart than the
-/// rays. `less` is the radiance of the highlights. Nothing may move.
+/// rays. `less` selects the light that counts as a highlight. Nothing may move.
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
 
 }  // namespace postlens

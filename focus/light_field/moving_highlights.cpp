@@ -11,14 +11,15 @@ namespace {
 
 /// Number of instants from which a highlight's speed is computed.
 constexpr int looks = 64;
-/// Largest motion of a highlight between two instants: step_px (in px), or step_of_blur times its CoC radius
-/// if that is larger.
+/// A moving highlight is drawn at several instants. Between two of them, it should move by at most step_px
+/// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// A highlight has one instant in each interval of the exposure, in one of `turns` parts of it. The fraction
-/// of x * turn_x + y * turn_y selects the part, so that neighbours differ.
+/// A moving highlight is drawn once in each of several equal intervals of the exposure, at one of `turns`
+/// instants of the interval. The fractional part of x * turn_x + y * turn_y selects the instant, so that
+/// neighbouring highlights differ (x, y: position in px).
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// Limit for the position and the CoC radius of a highlight, in px. Highlights beyond it are ignored.
+/// A moving highlight is not drawn at instants at which its position or CoC radius exceeds this, in px.
 constexpr double farthest_px = 1e5;
 
 }  // namespace

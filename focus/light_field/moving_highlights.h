@@ -1,5 +1,5 @@
-// Highlights that move during the exposure. Each is spread by its impulse responses at many instants, which
-// form a continuous streak.
+// Draws highlights that move during the exposure as continuous streaks. Each is blurred and added at many
+// instants.
 #pragma once
 
 #include <cstdint>

@@ -6,12 +6,13 @@
 namespace postlens {
 namespace {
 
-/// Limit for the steepness of a patch (planar part of a surface): largest relative difference between its
-/// sizes seen from the edge and from the centre of the lens.
+/// A surface counts as too steep if a point at the edge of the lens sees it larger or smaller than the centre
+/// does, by more than this fraction.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
-/// Visits the square cells of the window that a rectangle of the raster touches.
+/// Calls visit(index) for each cell (8 x 8 px) of the image that lies at most about one pixel from the
+/// rectangle `r`.
 template <typename Visit>
 void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
     const auto cell = [](double px, int begin, int count) {

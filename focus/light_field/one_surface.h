@@ -1,5 +1,5 @@
-// Finds the parts of an image in which all lens points see a single surface. The method `scatter` is exact
-// there.
+// Finds the parts of an image in which all lens points see the same single surface. The method `scatter`,
+// which ignores what hides what, is exact there.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface. It
-/// must not overlap itself, or be too steep.
+/// States for each cell (`edge` x `edge` px) of an image whether all lens points see the same single surface
+/// there. It must not overlap itself, or be too steep.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -26,8 +26,8 @@ struct OneSurface {
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Computes a OneSurface from the patches (planar parts of surfaces) of an image, which may be added in
-/// several parts.
+/// Finds the parts of an image in which all lens points see a single surface. Its input are planar parts of
+/// surfaces, which may be added in several calls.
 class OneSurfaceFinder {
   public:
     /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
