@@ -1,5 +1,5 @@
-// Warns about objects in mirrors and glass that are drawn at wrong positions. They move nonlinearly if the
-// lens point moves, but are reprojected linearly.
+// Warns about objects in mirrors and glass that are drawn at wrong positions. Their images move nonlinearly
+// when the lens point moves, but reprojection is linear.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns a warning of code "nonlinear" if some pixels show an object at a wrong position, with the share of
-/// these pixels. There, reprojection to some lens point is wrong by more than half a pixel.
+/// Returns a warning of code "nonlinear", with the share of pixels that show an object at a wrong position.
+/// There, reprojection to some lens point is wrong by more than half a pixel.
 ///
 /// Returns nothing if no pixel is affected, or if the file has no error of reprojection (w_bend). With a
 /// `crop`, only pixels within it count.

@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// Nearest and farthest depth of the surfaces along the border of the traced area, at each pixel corner. Only
+/// Nearest and farthest depth of the surfaces at each pixel corner along the border of the traced area. Only
 /// surfaces that the pinhole sees directly count.
 class BorderDepths {
   public:

@@ -70,8 +70,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// Determines into how many groups of rows (strips) an image is divided, to limit the memory for blurred
-/// samples (splats).
+/// Limits the memory for blurred samples (splats). An image that needs more is computed in groups of rows
+/// (strips).
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;

@@ -32,8 +32,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns the CoC diameter, in px, of the surface that each pixel shows without blur, negative in front of
-/// the focus. It is multiplied by the pixel's `effect`, unless that list is empty.
+/// Returns the CoC diameter, in px, of the surface that each pixel shows without blur. It is negative in
+/// front of the focus. If `effect` is not empty, it is multiplied by the pixel's `effect`.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);

@@ -43,7 +43,7 @@ struct FrameRows {
 /// rays (point samples) and surfaces.
 ///
 /// Only one thread at a time may use a frame. Exception: if the frame keeps its rows in memory, several
-/// threads may call visit_rows after a first call has visited them.
+/// threads may call visit_rows after a first call has visited the rows.
 class FocusFrame {
   public:
     /// Set `many` to make several images: the file's data are then kept in memory. Keeps a reference to

@@ -11,8 +11,8 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend, in 1/m^2, of the surfaces that the pinhole sees in each pixel. From it follows the
-/// largest error of reprojecting them to other lens points, in px, for an aperture of diameter D:
+/// The largest w_bend, in 1/m^2, of the surfaces that the pinhole sees in each pixel. It limits the error of
+/// reprojecting them to other lens points. For an aperture of diameter D, the error in px is at most:
 ///
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {

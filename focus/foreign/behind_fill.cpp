@@ -18,8 +18,8 @@ namespace {
 /// Samples of neighbouring pixels belong to different surfaces if their signed CoC radii (negative in front
 /// of the focus) differ by at least this, in px.
 constexpr float least_step_px = 1;
-/// Largest distance, in px, from a pixel at an edge to the farther surface that is assumed to continue behind
-/// it.
+/// Largest distance, in px, over which the search looks for a farther surface that may continue behind a
+/// pixel.
 constexpr float farthest_px = 512;
 
 /// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.

@@ -62,8 +62,8 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, for each pixel, an upper bound of the fraction that shows empty space after blurring. Pixels are
-/// in rows, from the top.
+/// Returns, for each pixel, an upper bound of the fraction of its area that shows empty space after blurring.
+/// Pixels are in rows, from the top.
 ///
 /// The bound is 1 for an empty pixel. Otherwise it is the empty area in the square around the pixel's circle
 /// of confusion, divided by the area of the circle. It may exceed 1.

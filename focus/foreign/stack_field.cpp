@@ -64,8 +64,8 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a translucent sample is opaque as seen from lens point number `view`. It is so from a
-/// fraction of the lens points that equals its alpha (stochastic transparency).
+/// Returns whether a translucent sample is opaque as seen from lens point number `view`. The fraction of lens
+/// points from which it is opaque equals its alpha (stochastic transparency).
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     // A sample is opaque from this lens point if its alpha exceeds a pseudo-random number (scrambled van der

@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Returns a test whether the aperture transmits light through one lens point to the image pixel (x, y). The
-/// test is empty if the aperture is the same for all pixels.
+/// Returns a function that tells whether the aperture transmits light through the lens point of `view` to the
+/// image pixel (x, y). It is empty if all pixels see the same aperture.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -67,7 +67,7 @@ class Motions {
 };
 
 /// Chooses the recorded instants whose surfaces are reprojected to make an image at the instant `time_s`.
-/// Each has a weight, and the objects' motions up to that instant.
+/// Each has a weight, and the motions of the objects up to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Highlights with at least this blur radius, in px, are spread by blur kernels (smaller semi-axis, if the
-/// blur is an ellipse). The mean of images from single lens points would show them as separate dots.
+/// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
+/// images from single lens points would show them as separate dots.
 constexpr double spread_from_px = 2;
 /// Highlights with a smaller blur radius than this, in px, count as sharp: they send light from the whole
 /// lens to a single pixel.
@@ -25,10 +25,10 @@ constexpr double seen_by_all_px = 0.5;
 /// - sharp_px2, if nothing hides a part of them
 /// - small_px2, if they are partly hidden, and seen in a mirror or through glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Highlights of one surface within a square of this edge, in px, are merged into one light source.
+/// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// How often merged_px, the edge of squares in which highlights are merged, may be halved (down to 1/8 px).
-/// Finer squares are useless, because kernel positions are rounded to 1/16 px (KernelKey::phase_steps).
+/// The squares in which highlights are merged are halved at most this often, from merged_px to 1/8 px. Finer
+/// squares are useless, because kernel positions are rounded to 1/16 px (KernelKey::phase_steps).
 constexpr int most_halvings = 2;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
@@ -46,11 +46,11 @@ constexpr int least_moments = 8;
 /// Radiance of white. Only the part of a radiance above this value is treated as a highlight, and spread by
 /// blur kernels.
 constexpr float white = 1;
-/// A resting highlight is spread by a blur kernel only if its radiance exceeds white by this, in some
-/// channel. Dimmer light causes little noise when images from single lens points are averaged.
+/// A highlight that does not move is spread by a blur kernel only if its radiance exceeds white by this, in
+/// some channel. Dimmer light causes little noise when images from single lens points are averaged.
 constexpr float least_radiance = 1;
-/// Edge, in px, of image squares. What nearer surfaces hide is computed once for all highlights of a surface
-/// in one square.
+/// Highlights of one surface that lie within a square of this edge, in px, share one computation of what
+/// nearer surfaces hide of them.
 constexpr double group_px = 1.5;
 
 double light_of(const std::array<float, 3>& rgb) {
@@ -65,8 +65,8 @@ glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const gl
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px, the edge of squares in which resting highlights are merged, must be halved to
-/// make the error invisible.
+/// Highlights that do not move are merged within squares of the edge merged_px. Returns how often the edge
+/// must be halved, so that merging causes no visible error.
 ///
 /// A square of edge a and radiance L, blurred over an area A, adds the radiance L a^2 / A to a pixel. Merging
 /// may remove a / 8 of it from a pixel at the rim of the blur.

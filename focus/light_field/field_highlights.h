@@ -24,8 +24,9 @@ namespace postlens {
 /// Highlights that were removed from the recorded surfaces, to be spread by blur kernels. A pixel receives a
 /// highlight's light through each lens point that sees the highlight.
 ///
-/// Visibility is computed exactly for the brightest highlights in each tile of the image that rest and are
-/// seen directly. For all others, it is taken from the nearest lens points for which an image is reprojected.
+/// In each tile of the image, visibility is computed exactly for the brightest highlights that do not move
+/// and are seen directly. For all others, it is taken from the nearest lens points for which an image is
+/// reprojected.
 class FieldHighlights {
   public:
     /// - `sheets`: the surfaces whose highlights are blurred; must outlive this object

@@ -24,8 +24,8 @@ constexpr float nearer = 1.02F;
 /// the time for drawing the tile from this many lens points, or from all lens points of the image if there
 /// are more.
 constexpr std::size_t least_drawn = 64;
-/// Smallest estimated time for drawing once what hides a group of highlights. Unit: the time for drawing a
-/// whole tile (square of the image) from one lens point.
+/// Lower limit for the estimated time of one test of what hides a group of highlights. Unit: the time for
+/// drawing a whole tile (square of the image) from one lens point.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which it is tested whether a highlight is hidden. No two share a row or
 /// column of a 4 x 4 grid.
@@ -35,8 +35,8 @@ constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm:
 /// the highlights' positions from their centre. The points have mean 0 and variance 1 along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// For each highlight of a group, a nearer surface casts a shadow onto the image. The shadows are computed as
-/// one if the standard deviation of their positions is at most this, in px.
+/// A nearer surface casts one shadow onto the image for each highlight of a group. If these shadows are at
+/// most this far apart (standard deviation, in px), they are computed as one.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace

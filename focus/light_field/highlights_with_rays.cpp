@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// What a ray can determine about the surface that it hits: reflections and transmissions on the way (path),
-/// last reflecting or transmitting object, object of the surface, and 16 x 16 px square of the image.
+/// What identifies a surface that a ray hits: the reflections and transmissions on the way, the last object
+/// that reflected or transmitted the ray, the object hit, and the square (16 x 16 px) of the image.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,

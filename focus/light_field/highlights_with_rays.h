@@ -1,4 +1,4 @@
-// Selects the highlights that are spread by blur kernels in images of the methods that also trace rays.
+// Selects the highlights that are spread by blur kernels if rays are also traced to correct the image.
 #pragma once
 
 #include "reproject/patches/patches.h"

@@ -11,8 +11,8 @@ namespace {
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
-/// Calls visit(index) for each cell (8 x 8 px) of the image that lies at most about one pixel from the
-/// rectangle `r`.
+/// Calls visit(index) for each cell (8 x 8 px) of the image that the rectangle `r` covers, with a margin of
+/// one pixel.
 template <typename Visit>
 void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int rows, const Visit& visit) {
     const auto cell = [](double px, int begin, int count) {

@@ -11,7 +11,7 @@
 namespace postlens {
 
 /// States for each cell (`edge` x `edge` px) of an image whether all lens points see the same single surface
-/// there. It must not overlap itself, or be too steep.
+/// there. The surface must not overlap itself, or be too steep.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -26,8 +26,8 @@ struct OneSurface {
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Finds the parts of an image in which all lens points see a single surface. Its input are planar parts of
-/// surfaces, which may be added in several calls.
+/// Finds the parts of an image in which all lens points see a single surface. Planar parts of the recorded
+/// surfaces are its input, and may be added in several calls.
 class OneSurfaceFinder {
   public:
     /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
