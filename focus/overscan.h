@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if circles of confusion at the border are wider than the overscan
-/// (pixels recorded outside the image). The image then lacks light of surfaces farther outside. With a
-/// `crop`, only pixels within it count.
+/// Returns a warning of code "overscan" if blur at the border of the recorded area reaches across the
+/// overscan (pixels recorded outside the image). The image then lacks light of surfaces farther outside. With
+/// a `crop`, only pixels within it count.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

@@ -17,11 +17,11 @@ namespace {
 /// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
 /// images from single lens points would show them as separate dots.
 constexpr double spread_from_px = 2;
-/// Highlights with a smaller blur radius than this, in px, count as sharp: they send light from the whole
-/// lens to a single pixel.
+/// A highlight with a smaller blur radius than this, in px, sends light through the whole lens to a single
+/// pixel. Lens points all over the lens then decide whether it is visible.
 constexpr double seen_by_all_px = 0.5;
-/// Sharp highlights are spread by blur kernels only if their total area on one surface (within 16 x 16 px) is
-/// less than this, in px^2:
+/// Highlights with a smaller blur radius than spread_from_px are spread by blur kernels only if their total
+/// area on one surface (within 16 x 16 px) is less than this, in px^2:
 /// - sharp_px2, if nothing hides a part of them
 /// - small_px2, if they are partly hidden, and seen in a mirror or through glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
