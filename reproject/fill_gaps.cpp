@@ -34,7 +34,8 @@ Level coarser(const Level& fine) {
     return out;
 }
 
-/// Bilinearly interpolates the coarse level at the centre of pixel (x, y) of the next finer level.
+/// Interpolates the colour at the centre of pixel (x, y) of a pyramid level from the next coarser level,
+/// bilinearly.
 void sample(const Level& coarse, int x, int y, float* rgb) {
     const int x0 = (x & 1) != 0 ? x / 2 : x / 2 - 1, y0 = (y & 1) != 0 ? y / 2 : y / 2 - 1;
     const float fx = (x & 1) != 0 ? 0.25F : 0.75F, fy = (y & 1) != 0 ? 0.25F : 0.75F;

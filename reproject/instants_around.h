@@ -1,4 +1,4 @@
-// Selects the recorded instants from which the image at another instant is made.
+// Selects the recorded instants of a moving scene from which the image at another instant is interpolated.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ struct InstantShare {
 };
 
 /// Returns the recorded instants just before and just after `time_s`, with their weights for linear
-/// interpolation. Outside the recorded interval, returns only the nearest instant. `instants_s` (in any
-/// order) must not be empty.
+/// interpolation. Before the first or after the last recorded instant, returns only the nearest one.
+/// `instants_s` must not be empty, but may be unsorted.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A ray tracer whose rays return black. With it, a caller finds out which samples need rays without tracing
-/// them.
+/// Stands in for the ray tracer: its rays return black. With it, a caller finds out which samples need rays,
+/// without tracing them.
 class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

@@ -41,7 +41,8 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Number of views between two checks whether the user has cancelled. A tile may have thousands of views.
+/// A tile may have thousands of views (images for one lens point and instant). After every 64 views, the
+/// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
 /// After this many views, the program decides whether rays replace all reflections and refractions. Rays are

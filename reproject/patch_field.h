@@ -1,5 +1,5 @@
-// Reprojects the recorded surfaces to many views and averages them. A view is the image that one lens point
-// sees at one instant.
+// Computes depth of field and motion blur: reprojects the recorded surfaces to many views, and averages
+// these. A view is the image that one lens point sees at one instant.
 #pragma once
 
 #include <algorithm>
@@ -22,8 +22,8 @@ struct PatchInstant {
     const PatchMesh* deeper = nullptr;
 };
 
-/// The image that one lens point sees at one instant. It is reprojected from one recorded instant, or blended
-/// from two.
+/// The image that one lens point sees at one instant. It is reprojected from the surfaces recorded at one
+/// instant, or blended from two.
 struct PatchView {
     glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
@@ -60,7 +60,7 @@ enum class LeftToRays : std::uint8_t {
     samples_and_lights  ///< all samples of views, and also the highlights: no `lights` are added
 };
 
-/// A set of views. Their mean is an image or a part of an image.
+/// A set of views (images for one lens point and instant). Their mean is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
     /// Returns whether this set draws the image square whose upper left pixel is (x, y). If empty, the set
@@ -110,8 +110,8 @@ struct PatchField {
     glm::dvec2 lens_reach_px{0};
 };
 
-/// The directly visible surfaces that each view sees in a square piece of the image. For views of two
-/// recorded instants, only the first is stored.
+/// The directly visible surface in each pixel of an image square, for each view (image for one lens point and
+/// instant). For views that blend two recorded instants, only the first is stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
@@ -123,8 +123,8 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// The highlights of an image: radiance above a limit, which is removed from reprojected surfaces. The lens
-/// spreads this light over pixels by an impulse response (point spread function).
+/// The highlights of an image: radiance above a limit, which is removed from the reprojected surfaces.
+/// Instead, the lens's point spread function spreads this light over pixels.
 class Lights {
   public:
     Lights() = default;
@@ -154,8 +154,8 @@ class Lights {
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
-/// the recorded radiance, or 0 if the image uses the ray.
+/// Compares traced rays with recorded colours in one pixel, to measure the error of the image. The residual
+/// of a view is the radiance of its ray minus the recorded radiance, or 0 if the image uses the ray.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
@@ -206,8 +206,9 @@ struct PatchPicture {
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws the sets of views into the images `out`, which have the size of the field. Pieces of an image that
-/// no set draws keep their values. The result is bit-identical for any number of threads.
+/// Draws each image of `out` (field.width x field.height px) as the mean of views, i.e. images for one lens
+/// point and instant. Image squares that no set of views draws keep their values. The result is bit-identical
+/// for any number of threads.
 ///
 /// Several calls give the same result as one, unless there are rays and moving objects. Then, rays may
 /// replace more surfaces if a call has more views.

@@ -14,12 +14,12 @@
 
 namespace postlens {
 
-/// A point of the raster with its inverse depth, in 1/m. An inverse depth of 0 is infinitely far.
+/// Raster position and inverse depth, in 1/m, of a surface point. An inverse depth of 0 is infinitely far.
 struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
-/// The first-order approximation of a map around one point of a surface.
+/// The first-order approximation of a motion (RasterMap) near one point of a surface.
 struct RasterTangent {
     RasterPoint at;          ///< image of the point
     RasterPoint by_x, by_y;  ///< derivatives along the surface, per px to the right and down
@@ -27,8 +27,8 @@ struct RasterTangent {
     double bend_px = 0;      ///< approximate second-order error at distance `reach`, px
 };
 
-/// Maps raster positions with depths z'. The map is a matrix on (x, y, 1, 1/z') for a perspective camera,
-/// which includes points at infinity.
+/// Maps the raster position and depth z' of a surface point from one instant to another. For a perspective
+/// camera, the map is a matrix on (x, y, 1, 1/z'), which includes points at infinity.
 /// For an orthographic camera, it is a matrix on (x, y, z', 1), and points at infinity stay fixed.
 class RasterMap {
   public:
@@ -53,9 +53,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Shift of a surface's image from the pinhole's view to that of a lens point: `(I / s - W) lens_px +
-/// offset_px`, with focus distance s.
-/// The matrix W is recorded with the surface. A directly visible surface at depth z' has W = I / z'.
+/// How far the image of a surface moves if a lens point sees it instead of the pinhole. The recorded matrix W
+/// describes this motion for focus at infinity; a directly visible surface at depth z' has W = I / z'.
+/// For the focus distance s and the lens point `lens_px`, the image moves by `(I / s - W) lens_px +
+/// offset_px`.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -64,8 +65,8 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns the map that first applies `motion` and then the lens's shift of directly visible surfaces.
-/// `motion` must be perspective unless the shift is 0.
+/// Returns the map that first applies an object's motion, and then shifts its image as the lens point
+/// requires. Only for directly visible surfaces. `motion` must be perspective unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// Returns the matrix from homogeneous raster to homogeneous camera coordinates, in m, at the frame's
@@ -73,7 +74,8 @@ struct LensShift {
 /// A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motions of all objects on the raster, at first those of the file's header.
+/// The motions of all objects, as seen on the raster. At first, these are the motions in the sample file's
+/// header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);

@@ -1,4 +1,5 @@
-// Finds where a view (image for one lens point and instant) may see a surface outside the recorded pixels.
+// Finds the pixels of a view (image for one lens point and instant) that may show a surface from outside the
+// recorded image.
 #pragma once
 
 #include <array>
@@ -13,8 +14,8 @@
 
 namespace postlens {
 
-/// Finds pixels in which a view may see a surface outside the recorded pixels. At each border pixel, the
-/// nearest surface is assumed to continue beyond the border.
+/// Finds pixels in which a view (image for one lens point and instant) may show a surface from outside the
+/// recorded image. At each border pixel, the nearest surface is assumed to continue beyond the border.
 class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.

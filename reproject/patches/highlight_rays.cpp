@@ -8,10 +8,11 @@
 namespace postlens {
 namespace {
 
-/// Rays per pixel: `few_rays`, or `many_rays` in pixels whose rays differ. The rays that decide this are not
-/// averaged, because the mean would be biased.
+/// Number of rays per pixel towards highlights: 28 if the radiances of four test rays differ, otherwise 4.
+/// The test rays are not part of the mean, because they would bias it.
 constexpr int few_rays = 4, many_rays = 28;
-/// Two rays differ if, in a channel, their radiances differ by more than this fraction of the larger one.
+/// The radiances of a pixel's rays differ if, in some channel, their range exceeds this fraction of the
+/// largest one.
 constexpr double differing = 1e-3;
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Measures the error of highlights (bright spots that the lens spreads) by rays aimed at them.
+// Measures the error of highlights (bright spots that the lens blurs over many pixels) with rays aimed at
+// them.
 #pragma once
 
 #include <array>
@@ -11,8 +12,8 @@
 
 namespace postlens {
 
-/// Measures the error of the highlights in a tile. Few rays of views hit a small light, so additional rays
-/// are aimed at the recorded highlights (Lights::aim).
+/// Measures the error of the highlights in a tile. Few rays through random lens points hit a small light, so
+/// additional rays are aimed at the recorded highlights (Lights::aim).
 class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel

@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// Marks the pixels that moving objects may change, with the bits PatchField::class_marks of the object.
+/// Determines which groups of moving objects may change a pixel. The result is a bit mask per pixel, with the
+/// bits of PatchField::class_marks.
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.

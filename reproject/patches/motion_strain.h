@@ -1,5 +1,5 @@
-// Upper bounds of the distortion of a patch (nearly planar part of a surface) by motion. Patches with too
-// large distortion are divided.
+// Bounds how much motion distorts a patch (nearly planar part of a surface). Patches with too large a
+// distortion are divided into smaller ones.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Bounds the distortion of a part of a surface by the motions in all views (PatchLens::motion).
+/// Bounds how much the motions of an object, in all views of an image, distort a part of its surface
+/// (PatchLens::motion).
 struct StrainOfMotions {
     /// For each view, the motions of all groups of objects that move alike. It suffices to sample
     /// `strain_views` instants, uniform over the exposure.
@@ -21,7 +22,8 @@ struct StrainOfMotions {
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };
-/// A prime number of views, so that a periodic motion does not have the same phase in all of them.
+/// Number of instants of the exposure at which motion is tested. It is prime, so that a periodic motion does
+/// not have the same phase at all of them.
 inline constexpr int strain_views = 17;
 
 }  // namespace postlens

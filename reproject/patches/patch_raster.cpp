@@ -10,17 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Smallest determinant of the affine map of a patch into a view. Below it, the patch is edge-on and covers
-/// no sample.
+/// A planar patch is not drawn if its map into the view scales areas by less than this. It is then seen
+/// edge-on, and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Samples of a row that are processed together: few_lanes if no row of the patch has more samples, otherwise
-/// most_lanes.
+/// Number of samples of an image row that SIMD code processes together: few_lanes if the drawn patch has no
+/// more samples in any row, otherwise most_lanes.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The samples (i, j) of a tile that a patch may cover. In patch coordinates, sample i of row j lies at
-/// `first(j) + i * by`, without accumulated rounding errors.
+/// The rectangle of a tile's samples that a planar patch may cover. In the patch's coordinates, sample i of
+/// row j lies at first(j) + i * (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -41,8 +41,8 @@ struct Run {
     }
 };
 
-/// Consecutive samples of a row, for SIMD: index of the sample's cell (pixel of the patch), position in the
-/// cell, and inverse depth.
+/// Consecutive samples of an image row, for SIMD code. Each has the index of the patch's pixel (cell) that it
+/// shows, its position in this pixel, and its inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -59,19 +59,22 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Factor of a patch's inverse depth in the margin beyond its sides. There, the patch overlaps its neighbour
-/// and must lie behind it.
+/// Neighbouring patches overlap slightly, to avoid cracks. In the overlap, this factor reduces a patch's
+/// inverse depth, so that the patch lies behind its neighbour.
 constexpr float in_overlap = 1 - 1e-3F;
 
-/// A table of 1 << n, because some instruction sets cannot shift each lane by a different number of bits.
+/// A table of 1 << n, because some SIMD instruction sets cannot shift each element by a different number of
+/// bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
-// For functions that are inlined into kernels, which are compiled for several instruction sets.
+// Forces inlining of functions into drawing loops, because each loop is compiled for several SIMD instruction
+// sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`.
+/// Computes where samples begin to begin + lanes - 1 of an image row hit a planar patch. `first` is the row's
+/// sample 0 in patch coordinates.
 /// Bit n of the result: sample begin + n lies in the patch and is nearer than the inverse depth there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
@@ -106,8 +109,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n for which in[n] is `id`, the object that reflects or transmits the
-/// patch.
+/// Returns a bit mask of the samples n that show the mirror or glass object `id`. A reflected or transmitted
+/// patch is drawn only in samples that show its mirror or glass.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -116,8 +119,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends a quadtree from `node` to the leaf that contains the position (x, y). It is relative to the cell,
-/// from 0 to 1.
+/// Descends the colour quadtree of a pixel from `node` to the leaf that contains (x, y), the position in the
+/// pixel, from 0 to 1.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -130,8 +133,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples whose bit is set in `found`, except in empty quadtree leaves. A SIMD gather would not be
-/// faster, because half of the bits are 0.
+/// Draws a patch in the samples whose bit is set in `found`, except where the patch has a hole (an empty
+/// quadtree leaf). A SIMD gather would not be faster, because half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -205,7 +208,8 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// Returns the samples of a part of a tile that a patch may cover, or nothing if there are none.
+/// Returns the rectangle of samples in `part` of a tile that a planar patch may cover, or nothing if there
+/// are none.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);

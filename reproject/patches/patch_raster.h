@@ -13,7 +13,7 @@ namespace postlens {
 
 struct TilePlace;
 
-/// The nearest surface in each pixel of a tile, as one view sees it.
+/// The nearest surface in each pixel of a tile, as seen in one view (image for one lens point and instant).
 struct SeenTile {
     static constexpr int edge = 64;  ///< px
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
@@ -45,14 +45,16 @@ struct SeenTile {
     }
 };
 
-/// Position of a tile on the raster, its pixels in use, and the sample position within each pixel.
+/// Position of an image tile, the size of the part of it that is used, and the position of the sample within
+/// each pixel.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets `values` to `value` in the pixels in use. A row of `values` has SeenTile::edge elements.
+/// Sets the elements of `values` for the used pixels of a tile to `value`. `values` stores 64 elements
+/// (SeenTile::edge) per row of pixels.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -73,7 +75,8 @@ struct TilePart {
     }
 };
 
-/// A bit mask of the 8 x 8 px blocks of a tile. Adding a pixel sets the bit of its block.
+/// A coarse set of pixels of a 64 x 64 px tile, with one bit per block of 8 x 8 px. It quickly shows that a
+/// rectangle contains no pixel of the set.
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
@@ -99,13 +102,13 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch at `place` with a depth test. Of equally near surfaces, the pixel keeps the first one. Back
-/// faces are not drawn, because they are not recorded.
+/// Draws a planar patch of a surface into a tile, with a depth test. Of equally near surfaces, the pixel
+/// keeps the first one. Back faces are not drawn, because they are not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a reflected or transmitted surface must be drawn, and the objects that reflect or
-/// transmit it.
+/// The pixels that show a mirror or glass in which a reflected or transmitted surface must be drawn, and the
+/// object that this mirror or glass belongs to.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
@@ -128,13 +131,13 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Returns the bounding box of the pixels whose surface has reflections or refractions that are drawn
-/// separately.
+/// Returns the bounding box of the pixels that show mirrors or glass whose reflections or refractions are
+/// drawn as separate surfaces.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a reflected or transmitted patch in the pixels of `wanted`, with a depth test. The patch may be
-/// mirror-inverted. It is skipped if the view stretches a raster px to more than `largest_torn_px`. `out`
-/// must come from find_wanted.
+/// Draws a reflected or transmitted patch, with a depth test, in the pixels of `wanted`, which show its
+/// mirror or glass. The patch may be mirror-inverted. It is skipped if the view stretches a raster px to more
+/// than `largest_torn_px`. `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

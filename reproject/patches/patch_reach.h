@@ -1,4 +1,5 @@
-// Quickly excludes patches (planar parts of surfaces) outside a tile, before they are mapped into the view.
+// Bounds the position of a patch (planar part of a surface) in every view, to quickly exclude patches outside
+// a tile.
 #pragma once
 
 #include <cmath>
@@ -7,8 +8,8 @@
 
 namespace postlens {
 
-/// Bounds of a static patch in any view. Its centre moves linearly with the lens point; `half_width` and
-/// `half_height` hold for all views.
+/// Bounding rectangle of a static patch (planar part of a surface), as seen from any lens point. Its centre
+/// moves linearly with the lens point; its size is the largest that occurs.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -29,8 +30,9 @@ struct PatchReach {
     }
 };
 
-/// Bounds a patch in all views. `farthest_px` is the largest |x| and |y| of LensShift::lens_px. `shift_px` is
-/// the largest shift of surfaces at infinity, in px.
+/// Bounds the image of a patch (planar part of a surface), as seen from any lens point. `farthest_px`:
+/// largest |x| and |y| of a lens point (LensShift::lens_px). `shift_px`: largest shift of surfaces at
+/// infinity, in px.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

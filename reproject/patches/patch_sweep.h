@@ -10,12 +10,12 @@
 
 namespace postlens {
 
-/// Returns the motion class of a patch. Reflected or transmitted patches move with the object that reflects
-/// or transmits them.
+/// Returns the number of the group of objects that move alike to which a patch belongs. A reflected or
+/// transmitted patch moves with its mirror or glass.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Bounding rectangles of patches (planar parts of surfaces) over all views of a PatchField and all lens
-/// points within `lens_reach_px`.
+/// Computes rectangles that contain a patch (planar part of a surface) as seen from all lens points and at
+/// all instants of an image.
 class PatchSweep {
   public:
     /// Keeps a reference to `field`, and uses only its members `motion_class`, `lens_reach_px` and `sets`.

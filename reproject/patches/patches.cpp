@@ -10,18 +10,19 @@
 namespace postlens {
 namespace {
 
-/// Largest reprojection error of a surface's pixel for lens points on the rim, as a fraction of the radius of
-/// the circle of confusion.
+/// Largest position error with which a blurred surface may be reprojected, as a fraction of the radius of its
+/// circle of confusion.
 constexpr double exact_share = 0.02;
-/// Depth tests reduce a hidden surface's inverse depth by at most this fraction (Patch::back_per_m), so that
-/// it does not show through the surface in front.
+/// Depth tests move a hidden surface back, so that it does not show through a surface closely in front of it.
+/// They reduce its inverse depth by at most this fraction.
 constexpr double most_back = 0.02;
-/// A pixel is drawn in a single colour (SheetMesh::coarse) if its circle of confusion has a smaller semi-axis
-/// of at least this many px.
+/// A pixel of a surface is drawn in a single colour if its circle of confusion has at least this radius, in
+/// px. For an ellipse, the smaller semi-axis counts.
 constexpr double coarse_from_px = 6;
 
-/// Least-squares planes of a patch's values, evaluated at four points of each cell (pixel): (+-1/4, +-1/4) px
-/// from the centre. The planes' origin is the patch's corner.
+/// Fits planes, by least squares, to values that vary over a patch (part of a surface), such as inverse
+/// depth. Each pixel adds four points, (+-1/4, +-1/4) px from its centre. The planes' origin is the patch's
+/// corner.
 template <std::size_t values>
 class Fit {
   public:
@@ -311,7 +312,8 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Returns a part's 1/z': the value at its corner, and the slopes along x and y.
+/// Returns the inverse depth 1/z' of a rectangular part of a patch: its value at the part's corner, and its
+/// slopes along x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -320,10 +322,11 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), with L =
-// `lens_px_per_px`. From q, a surface point at raster position x is seen at p = x + (s - w) q, with its
-// inverse depth w and the inverse focus distance s. Hence x - at = C (p - at) with C = I - (s - w) L.
-// C depends on x, because w does. So the map is linearised around the part's centre.
+// Maps a part of a surface to those pixels of a scene point's circle of confusion whose rays the part blocks.
+// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), with the matrix
+// L = `lens_px_per_px`. From q, a surface point at raster position x is seen at p = x + (s - w) q, with its
+// inverse depth w and the inverse focus distance s. Hence x - at = C (p - at) with C = I - (s - w) L. C
+// depends on x, because w does. So the map is linearised around the part's centre.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

@@ -1,5 +1,5 @@
-// Divides the recorded surfaces into patches: parts so nearly planar that an affine map can reproject them to
-// a view.
+// Divides the recorded surfaces into patches. A patch is so nearly planar that an affine map reprojects it to
+// another lens point or instant.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds of the distortion of a part of a surface by several motions.
+/// Upper bounds of the distortion that any of several motions causes in the image of a part of a surface.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -48,12 +48,12 @@ struct PatchLens {
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest error, in px, of the assumption that a reflected or refracted image moves linearly with the lens
-/// point. Patches above it are marked (Patch::bent) as insufficiently recorded.
+/// The images of reflected or refracted surfaces are assumed to move linearly with the lens point. If this
+/// causes a larger error, in px, the surface counts as insufficiently recorded (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
-/// A part of a sheet (one surface within a square of the raster): the sheet's pixels [x, x + width) x [y, y +
-/// height).
+/// A part of a surface that is reprojected as a plane: the pixels [x, x + width) x [y, y + height) of a
+/// sheet, which is one surface within a raster square.
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
@@ -64,8 +64,8 @@ struct Patch {
     float back_per_m = 0;           ///< amount, 1/m, by which depth tests reduce the patch's 1/z'
 };
 
-/// The affine map of a patch into a view. The point (x, y), in px from the patch's corner, maps to raster
-/// position `from + move * (x, y)`.
+/// The affine map that reprojects a patch (planar part of a surface) into a view. The point (x, y), in px
+/// from the patch's corner, appears at raster position `from + move * (x, y)`.
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
@@ -124,21 +124,24 @@ struct PatchMesh {
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
 };
 
-/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible, and at
-/// least one raster pixel. In any view, a larger patch's position error is at most PatchLens::exact_px or
-/// 1/50 of the circle of confusion's radius, whichever is larger. The result is deterministic.
+/// Divides sheets (surfaces within squares of the raster) into patches, which are reprojected as planes.
+/// Patches are as large as possible, and at least one raster pixel. In any view, a larger patch's position
+/// error is at most PatchLens::exact_px or 1/50 of the circle of confusion's radius, whichever is larger. The
+/// result is deterministic.
 ///
-/// A surface closely behind another one (SheetKey::hidden) must not show through it. So depth tests move its
-/// patches back by Patch::back_per_m, the sum of the largest depth errors of two planes.
+/// A surface closely behind another one (SheetKey::hidden) must not show through it. So depth tests reduce
+/// the inverse depth of its patches by Patch::back_per_m, the sum of the largest depth errors of two fitted
+/// planes.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
-/// Computes the affine map of a patch into a view: first `motion`, linearised at the patch's centre, then the
-/// shift by the lens. Returns false behind the camera.
+/// Computes the affine map of a patch (planar part of a surface) into a view: first the object's motion,
+/// linearised at the patch's centre, then the image shift by the lens. Returns false if the patch lies behind
+/// the camera.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
                                const LensShift& lens, PatchPlace& out);
 
-/// The rays from one scene point to all pixels of its circle of confusion, each through a different lens
-/// point.
+/// The rays from one scene point to all pixels of its circle of confusion. Each ray passes through a
+/// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
     /// The ray to raster position `at + d` passes through the lens at `lens_px_per_px * d`, in px m as
@@ -147,20 +150,21 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to the raster along the scene point's rays. The map is linearised at the
-/// patch's centre. Returns false if it is singular.
+/// Maps a directly visible patch to those pixels of the scene point's circle of confusion whose rays the
+/// patch blocks. The map is linearised at the patch's centre. Returns false if it is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, with their maps to the raster. They
-/// may hide the scene point, whose inverse depth is `light_per_m` <= `nearest_per_m`.
+/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, because they may hide a scene
+/// point. `light_per_m` is the scene point's inverse depth, at most `nearest_per_m`. Each part gets its map
+/// to the raster (place_patch).
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 
-/// Returns the bounding rectangle of a patch in a view, in raster px.
+/// Returns the bounding rectangle of a reprojected patch (planar part of a surface), in raster px.
 [[nodiscard]] RasterRect covered(const Patch& patch, const PatchPlace& place);
 
 }  // namespace postlens

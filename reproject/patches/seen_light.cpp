@@ -7,7 +7,8 @@
 namespace postlens {
 namespace {
 
-// SIMD types for the four sums of a pixel. Compilers do not vectorise these sums on their own.
+// SIMD types for a pixel's four sums: r, g, b and weight. Compilers do not vectorise the additions on their
+// own.
 using Float4 = float __attribute__((vector_size(16)));
 using Double4 = double __attribute__((vector_size(32)));
 static_assert(sizeof(Texel) == sizeof(Float4) && sizeof(LightSums::value_type) == sizeof(Double4));

@@ -10,7 +10,8 @@
 
 namespace postlens {
 
-/// Weighted sums over views, per pixel of a tile: radiance (r, g, b) times the view's weight, and the weight.
+/// Sums over views (images for one lens point and instant), per pixel of a tile: r, g and b times the view's
+/// weight, and the weight.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -20,8 +21,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds a view's colours in the first `width` x `height` pixels of a tile to `sums`. `with_children` receives
-/// the pixels whose surface has recorded reflections or refractions.
+/// Adds the colours that one view shows in the first `width` x `height` pixels of a tile to `sums`. Lists in
+/// `with_children` the pixels whose surface has recorded reflections or refractions.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

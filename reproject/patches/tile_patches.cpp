@@ -19,7 +19,8 @@ int tiles(int px) {
     return (px + SeenTile::edge - 1) / SeenTile::edge;
 }
 
-/// Sort key of a patch: by path (sequence of reflections and transmissions), then from near to far.
+/// Sort key of a patch (part of a surface): first by its sequence of reflections and transmissions, then from
+/// near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
     // For a sort key: bit patterns of floats are ordered like their values if non-negative, and in reverse if
     // negative.

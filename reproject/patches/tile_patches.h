@@ -1,4 +1,5 @@
-// Finds, for each tile of the image, the patches (planar parts of surfaces) that may appear in its views.
+// For each tile of the image, finds the patches (planar parts of surfaces) that any lens point may see in it,
+// at any instant.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +15,22 @@
 
 namespace postlens {
 
-/// The patches (planar parts of surfaces) of a tile, in drawing order.
+/// The patches (planar parts of surfaces) that may be visible in a tile, in drawing order.
 struct TilePatches {
     PatchMesh mesh;
     std::vector<PatchReach> reach;
     std::vector<std::uint32_t> motion_class;
 };
 
-/// The patches [begin, end) of a tile with one path (sequence of reflections and transmissions from the eye).
+/// A range of a tile's patches (planar parts of surfaces): those that are seen by one sequence of reflections
+/// and transmissions.
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
 };
 
-/// All patches that any view of any set may show in a rectangle of a tile.
+/// All patches (planar parts of surfaces) that any lens point may see in a rectangle of a tile, at any
+/// instant.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
     std::vector<std::vector<PatchChain>> chains;  ///< for each instant, the chains of `deeper`

@@ -1,5 +1,5 @@
-// Groups views (images for one lens point and instant) by time, to quickly bound the positions of moving
-// surfaces.
+// Groups views (images for one lens point and instant) into short time spans, to quickly bound where moving
+// surfaces are seen.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The first and last view within 1/64 of the exposure (the same if there is only one). Between them, a
-/// moving surface is assumed to deviate from a straight line by less than the line's length.
+/// The first and last view (image for one lens point and instant) in a span of 1/64 of the exposure. In
+/// between, moving surfaces are assumed to stray from a straight line by less than the line's length.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,9 +19,9 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Returns the time spans of all views with motions that use the records of `instant`. The result points into
-/// `field`.
-/// Without rays, each view gets its own span, because PatchView::light_before is only used with rays.
+/// Groups the views that show motion and use the records of `instant` into short time spans. Without rays,
+/// each view gets its own span, because PatchView::light_before is only used with rays. The result points
+/// into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Views may lack a recorded reflected or transmitted surface that they need. If fewer than this fraction see
-/// it, the radiance seen from the pinhole is blended in.
+/// Some views may lack a reflected or transmitted surface, because it is not recorded for their lens point.
+/// If fewer than this fraction of the views has it, the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Sums the radiance that views (images for one lens point and instant) see by reflection and transmission,
-// per pixel and sequence of reflections and transmissions.
+// Sums reflected and transmitted radiance over all views (images for one lens point and instant). Each pixel
+// has one sum for each sequence of reflections and transmissions.
 #pragma once
 
 #include <array>

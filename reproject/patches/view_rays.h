@@ -1,5 +1,5 @@
-// Selects the view samples (pixels of single views) that rays replace, because the records do not determine
-// their colours, or that rays check.
+// Selects pixels of single views (images for one lens point and instant) in which rays are traced. The rays
+// replace colours that the records do not determine, or check recorded colours.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// The surfaces that a view shows in a tile. Each use (one of the view's one or two recorded instants) has
-/// its own SeenTile.
+/// The surfaces that one view (image for one lens point and instant) shows in a tile. A view that blends two
+/// recorded instants has one SeenTile for each.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -61,7 +61,7 @@ struct ShownView {
     static constexpr float same_depth = 0.02F;
 };
 
-/// Number of rays traced together: enough for efficient batches, and few enough for the caches.
+/// Number of rays that are traced in one batch: enough for efficiency, and few enough for the caches.
 inline constexpr std::size_t lines_together = 4096;
 
 /// The samples of views that rays replace in a tile.
@@ -103,8 +103,8 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// The view samples of a tile that are compared with check rays (rays that only measure the error of the
-/// records).
+/// Compares recorded colours with check rays, in selected pixels of single views. Check rays only measure the
+/// error of the recorded data.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
