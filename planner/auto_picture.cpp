@@ -20,23 +20,24 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) with which every tile starts. Each of the two halves
-/// of the views gets 8.
+/// Number of views (images from different lens points) with which every tile starts. They form two halves of
+/// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// After the target is met, more views narrow the 95 % interval of the error. The number of views grows at
-/// most by this factor (`most_narrowing_of_noise` without rays).
+/// After the target error is reached, more views narrow its 95 % interval. The number of views grows at most
+/// by this factor (`most_narrowing_of_noise` without rays).
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
-/// Returns the number of view samples (views times pixels) in all tiles together.
+/// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
+/// own number of views.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
     for (std::size_t t = 0; t < views.size(); ++t) sum += static_cast<double>(views[t]) * grid.pixels(t);
     return sum;
 }
 
-/// Returns the number of views of each tile for the next step. Doubles the views where this reduces the error
-/// most, until the expected mean error is below `wanted_mse`.
+/// Plans the number of views (images from different lens points) of each tile for the next step. Doubles it
+/// where this reduces the error most, until the expected mean error of the image is below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -74,8 +75,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the error of the records is least accurate. The other tiles add at most
-/// `most_variance` to the variance of the image's error.
+/// Selects the tiles in which the error of the recorded data is least accurately known. The other tiles add
+/// at most `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -83,8 +84,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles in which rays, instead of impulse responses, should show the highlights. In the other
-/// tiles, highlights cause at most a quarter of the target error `most_mse`.
+/// Selects the tiles in which rays, instead of the lens's point spread function, should show the highlights.
+/// In the other tiles, highlights cause at most a quarter of the target error `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -99,8 +100,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns the number of views of each tile for the next step, to narrow the 95 % interval of the error.
-/// `most_samples` limits the number of views times pixels.
+/// Plans the number of views (images from different lens points) of each tile for the next step, to narrow
+/// the 95 % interval of the error. The views have at most `most_samples` pixels together.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -142,11 +143,11 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes an image by the method `layers`, unless this would take longer than the first views. Times in test
-/// scenes:
-/// - record: 0.4 to 0.7 us
-/// - sum (layer_sums): 0.05 to 0.3 us
-/// - pixel of a view: 0.1 to 0.4 us
+/// Makes an image by the method `layers`, which is later blended with the views. Returns nothing if this
+/// would take longer than the first views. Measured times:
+/// - per record: 0.4 to 0.7 us
+/// - per addition to a pixel (layer_sums): 0.05 to 0.3 us
+/// - per pixel of a view: 0.1 to 0.4 us
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
     // Time that the method `layers` takes per surface sample and per addition to a pixel, as multiples of the
     // time for one reprojected pixel. Measured.
@@ -165,15 +166,15 @@ std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
     return image;
 }
 
-/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. It averages sRGB values,
-/// in which errors are measured, unless `views` is too bright for sRGB.
+/// Blends two radiances; `other` has the weight `w`. Blends their sRGB values, in which errors are measured,
+/// unless `views` is too bright for sRGB.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
     return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
 }
 
-/// Mixes the image `other` into `image` with the weights of the tiles. Returns the mean weight of `other` in
+/// Blends the image `other` into `image`, with a weight for each tile. Returns the mean weight of `other` in
 /// the image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {

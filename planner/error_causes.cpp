@@ -18,18 +18,20 @@ namespace postlens {
 namespace {
 
 constexpr int many_views = 256;
-/// A pixel is wrong if the sRGB value of some channel differs from the reference by more than this.
+/// A pixel is wrong if the sRGB value of some channel differs from the reference image by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A cause explains the error of a pixel if an image without this cause has at most half the error. This is
-/// the limit for the squared error.
+/// A possible cause of a pixel's error is confirmed if an image made without this cause has at most half the
+/// error. The limit applies to squared errors.
 constexpr double explained = 0.25;
-/// A cause is accepted if its estimated squared error is at least this fraction of the pixel's. The error of
-/// record density is often underestimated, so its limit is smaller.
+/// A possible cause of a pixel's error is accepted if its estimated squared error is at least this fraction
+/// of the measured one. The limit is smaller for too few samples, because their error is often
+/// underestimated.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// A pixel is completely recorded if less than this share of its light is missing in the records.
+/// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
 constexpr float tolerated_unknown = 0.02F;
-/// If more than this fraction of the squared error is unexplained, the scene is traced again.
+/// If the causes of more than this fraction of the squared error remain unknown, the scene is traced again
+/// with better settings.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -51,8 +53,8 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// Estimates the share of a pixel's light from beyond the overscan (pixels traced outside the image): the
-/// part of its circle of confusion that lies there.
+/// Estimates which fraction of a pixel's light comes from outside the traced image: the part of its circle of
+/// confusion that lies beyond the overscan (pixels traced around the image).
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
@@ -95,7 +97,7 @@ class BeyondMargin {
     double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest CoC radius along each side, px
 };
 
-/// Returns the mean over a square of 2 radius_px + 1 px around each pixel.
+/// Returns the mean over a square of (2 radius_px + 1)^2 pixels around each pixel.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
     const auto at = [](int line, int next, int i, int step) {
@@ -118,7 +120,8 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of an error that disappears in a light field of many views from the same records.
+/// Returns the cause of an error that disappears in the mean of many views (images from different lens
+/// points) of the same recorded data.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views

@@ -1,4 +1,4 @@
-// Finds the cause of each pixel's error, from the records, the lens and the shutter.
+// Finds why a pixel of an image is wrong, for example because a hidden surface was not recorded.
 #pragma once
 
 #include <array>

@@ -16,11 +16,11 @@
 namespace postlens {
 namespace {
 
-/// The records of a pixel are insufficient if one value exceeds this: the share of its light that is not
-/// recorded, or the radiance at wrong positions.
+/// The sample file is insufficient for a pixel if more than this fraction of its light is not recorded, or if
+/// more radiance than this is reprojected to a wrong position.
 constexpr double tolerated = 0.02;
 
-/// Returns the share of pixels in the image or crop whose records are insufficient.
+/// Returns the fraction of the pixels in the image or crop for which the sample file is insufficient.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -32,8 +32,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by that of one view of the whole image. `scatter` makes the pixels
-/// in which it is exact if their views would take longer.
+/// Time of the method `scatter`, divided by the time to draw one view (image from one lens point). In pixels
+/// where `scatter` is exact, it replaces the views if they would take longer.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -82,12 +82,12 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error of an image with a PSNR of 50 dB. Smaller errors are not visible, so rays need not reduce
+/// Squared error that corresponds to a PSNR of 50 dB. Smaller errors are not visible, so rays need not reduce
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should show the highlights. There, the error of impulse responses
-/// exceeds its own standard error and the noise that rays would have.
+/// Returns 1 for tiles in which rays should show the highlights. There, the error of spreading highlights by
+/// the lens's point spread function exceeds its own standard error and the noise of rays.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -99,8 +99,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and rays. Rays replace all samples in tiles with large errors of the records,
-/// until these are small compared with the noise.
+/// Makes the image from recorded colours and rays. Rays replace all recorded colours in tiles where these
+/// cause large errors, until the error is small compared with the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

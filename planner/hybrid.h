@@ -1,5 +1,5 @@
-// Makes a light field image: the mean of a given number of views (images from different lens points). Rays
-// replace view samples whose colours the records do not determine.
+// Makes an image as the mean of a given number of views (images from different lens points). Rays replace
+// colours that the records do not determine.
 #pragma once
 
 #include <memory>
@@ -56,7 +56,7 @@ struct HybridResult {
 /// Makes the image. The result is bit-identical for any number of threads. Throws Error(invalid_input) if the
 /// file was not traced from `scene`, and the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// Like the other overload, for a file from which only one image is made.
+/// Makes an image like the function above, from a file that is not used for further images.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

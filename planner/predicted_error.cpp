@@ -14,8 +14,9 @@
 namespace postlens {
 namespace {
 
-/// At least `least_views` views are drawn, with sets of lens points from the index `first_set` on. The image
-/// itself uses lower indices, so its error is independent of theirs.
+/// The estimate uses at least `least_views` views (images from different lens points), in sets that are
+/// numbered from `first_set` on. The image itself uses smaller numbers, so its error is independent of
+/// theirs.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

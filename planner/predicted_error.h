@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Squared errors of a tile's sRGB values, as means over pixels and channels.
+/// Squared errors of an image tile's sRGB values. All are means over pixels and channels.
 struct PredictedTile {
     /// Squared error relative to a light field with infinitely many lens points, from the same sample file.
     double method_mse = 0;
@@ -26,17 +26,17 @@ struct PredictedError {
     int views = 0;            ///< number of views drawn for the estimate
 };
 
-/// Throws Error(wrong_arguments) if the error cannot be predicted:
-/// - the impulse response has no lens points (`diffraction`, `lens:`)
+/// Throws Error(wrong_arguments) if the error of an image cannot be predicted:
+/// - its blur is not a mean over lens points (`diffraction`, `lens:`)
 /// - the framing differs from that of the trace
 /// - the file is orthographic
 /// - the crop exceeds the image
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
 /// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
-/// number of views, or 0 if its method draws none.
+/// number of views (images from different lens points), or 0 if its method draws none.
 ///
-/// Two independent images a and b are drawn, each with at least 64 other views. The expectation of (image -
+/// At least 64 other views are drawn. They form two independent images a and b. The expectation of (image -
 /// a)(image - b) is then the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of

@@ -12,16 +12,16 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is mixed into a tile. It minimises the estimated error plus
-/// `price` times the variance of this estimate.
+/// Returns the weight with which another image is blended into a tile. It minimises the estimated squared
+/// error plus `price` times the variance of this estimate.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
     return whole > 0 ? (tile.noise_mse + 2 * price * tile.of_noise) / whole : 0;
 }
 
-/// Chooses the weight with which another image is mixed into a tile. Leave-one-out cross-validation over the
-/// tile's pieces estimates the error. Otherwise, an image that is good by chance would seem too good.
+/// Chooses the weight with which another image is blended into a tile. Cross-validation over parts of the
+/// tile estimates the error, because an image that is good by chance would otherwise seem too good.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;

@@ -1,5 +1,5 @@
-// Computes the error of an image that is made from reprojected views and rays. It may be mixed with another
-// image.
+// Computes the error of an image that is made from reprojected views and rays, and possibly blended with
+// another image.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace postlens {
 /// Wanted width of the 95 % interval of an image's error, in dB.
 inline constexpr double wanted_interval_db = 2;
 
-/// How a tile is mixed from the views and another image of the same scene. The other image has the weight
-/// `weight`, the views 1 - `weight`.
+/// How a tile blends the mean of its views with another image of the same scene. The other image has the
+/// weight `weight`, the views 1 - `weight`.
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
@@ -24,7 +24,8 @@ struct TileMix {
 /// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
-/// Squared errors of sRGB values clamped to [0, 1], as means over pixels and channels.
+/// The measured error of an image. Squared errors are means over pixels and channels, of sRGB values clamped
+/// to [0, 1].
 struct StatedError {
     double views_mse = 0;       ///< error of the views (noise) and of the image that is mixed with them
     double bias_mse = 0;        ///< error of the records
@@ -42,22 +43,22 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of the mean of the two halves that `measured` compares. With `mix` (one element per
-/// tile), another image is blended in. The 95 % interval assumes that the logarithm of the error is normally
-/// distributed.
+/// Returns the error of an image, as measured from two halves of its views (`measured`). With `mix` (one
+/// element per tile), another image is blended in. The 95 % interval assumes that the logarithm of the error
+/// is normally distributed.
 ///
-/// With the weight w of the other image, a tile has this error:
+/// If the other image has the weight w, a tile has this squared error:
 ///
 ///     (1 - w)^2 noise + w^2 e^2 + bias
 ///
 /// Here e is the difference between the other image and the mean of infinitely many views. bias is the error
-/// of the records.
+/// of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight of the other image that is mixed with the views. The first set of
-/// weights has the smallest estimated error. Further sets have larger but better known errors. The first set
-/// whose 95 % interval is at most wanted_interval_db wide is chosen, otherwise that with the smallest
-/// StatedError::high_mse.
+/// Chooses, for each tile, the weight with which another image is blended with the views. At first, the
+/// weights minimise the estimated error. While its 95 % interval is wider than wanted_interval_db, weights
+/// with a larger but better known error are tried. If no interval is narrow enough, the weights with the
+/// smallest StatedError::high_mse are chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

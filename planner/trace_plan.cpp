@@ -30,10 +30,10 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// Fraction of the tiles that must reach the target error, besides the mean of the image.
+/// A trace must reach the target error in this fraction of the tiles, and in the mean of the image.
 constexpr double tiles_met = 0.9;
-/// Mean number of new samples per divided cell: its centre, and the midpoints of its sides, unless they have
-/// a sample.
+/// Mean number of eye rays added when a quadtree cell is divided: through its centre, and through the
+/// midpoints of its sides, unless a ray was traced there before.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;

@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, the program decides whether rays replace all reflections and refractions. Rays are
-/// faster if the records lack data for more than half of them.
+/// After this many views of an image square, rays replace all further samples of mirrors and glass if the
+/// records determine less than half of the tested ones. Rays are then faster.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {

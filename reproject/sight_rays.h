@@ -1,4 +1,5 @@
-// Interface to a ray tracer. Its rays replace samples whose colours the records do not determine.
+// Interface to a ray tracer. Its rays replace pixels of single views (images for one lens point and instant)
+// whose colours the records do not determine.
 #pragma once
 
 #include <array>
@@ -14,8 +15,8 @@
 
 namespace postlens {
 
-/// The ray that replaces one view's sample in one pixel: a position in the pixel, a lens point and an
-/// instant.
+/// A ray through one pixel and one lens point at one instant. It computes the colour that the view from this
+/// lens point has in the pixel.
 struct SightLine {
     int x = 0, y = 0;           ///< pixel, raster px
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
@@ -26,13 +27,15 @@ struct SightLine {
     std::uint32_t set = 0, view = 0;
 };
 
-/// The line through the centre of the lens and raster position `at`, in px, at the middle of the exposure.
+/// Returns the ray through the centre of the lens and raster position `at`, in px, at the middle of the
+/// exposure.
 inline SightLine line_through(const glm::dvec2& at) {
     const glm::dvec2 pixel = glm::floor(at);
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
 }
 
-/// Radiance that is added to the image as highlights. Rays leave it out, so that it is not counted twice.
+/// Bright radiance that the lens's point spread function adds to the image as highlights. Rays leave it out,
+/// so that it is not counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
     /// Returns whether the radiance of a surface is clamped. An empty function means that nothing is clamped.
@@ -43,7 +46,7 @@ struct LightElsewhere {
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
 
-/// Identifies all shading-tree nodes of one surface with one path of reflections and transmissions.
+/// Identifies a surface together with the sequence of reflections and transmissions by which it is seen.
 struct NodeIdentity {
     NodePath path;
     std::uint32_t parent_id = 0;  ///< the object that reflects or transmits the node; 0 for direct nodes
@@ -51,7 +54,7 @@ struct NodeIdentity {
     friend bool operator==(const NodeIdentity&, const NodeIdentity&) = default;
 };
 
-/// A ray tracer for the scene from which the records were traced.
+/// A ray tracer for the scene from which the sample file was traced.
 class SightRays {
   public:
     SightRays() = default;

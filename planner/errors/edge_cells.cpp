@@ -10,11 +10,11 @@
 namespace postlens {
 namespace {
 
-/// If the squared difference of sRGB values between the corners of a cell exceeds this (0.1 squared), an edge
-/// crosses the cell. Smaller differences are due to smooth shading.
+/// An edge is assumed to cross a quadtree cell if the squared difference of sRGB values between its corners
+/// exceeds this (0.1 squared). Smaller differences are due to smooth shading.
 constexpr double least_edge = 0.01;
-/// The corners of a cell count as equal if their squared difference of sRGB values is below this, 1/255
-/// squared.
+/// The colours at the corners of a quadtree cell count as equal if their squared difference of sRGB values is
+/// below this, 1/255 squared.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace

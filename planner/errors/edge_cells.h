@@ -1,4 +1,5 @@
-// Estimates the error of edges whose positions are known only from samples at the corners of quadtree cells.
+// Estimates the error that edges cause because their exact positions are unknown: colours are recorded only
+// at the corners of quadtree cells.
 #pragma once
 
 #include <array>
@@ -10,13 +11,14 @@
 
 namespace postlens {
 
-/// A random straight edge divides a square of area 1. The share of the square's corners on one side estimates
-/// the area there, with this mean squared error.
+/// A random straight edge divides a unit square. The area on one side is estimated by the fraction of the
+/// four corners on this side. This is the mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Like edge_cell_variance, but for edges parallel to a side of the square.
+/// Mean squared error of the same estimate (edge_cell_variance) for edges parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
-/// Colour (sRGB and linear), id and depth at a corner of a cell.
+/// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the
+/// surface there.
 struct CellCorner {
     std::array<float, 3> encoded{}, linear{};
     std::uint32_t id = 0;  ///< id of the primary node
@@ -38,8 +40,8 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// Estimates the error that bright cells (radiance above 1) cause in the pixels over which the lens spreads
-/// their light. PixelEdges does not count this light.
+/// Estimates the error of the light that the lens spreads from bright quadtree cells (radiance above 1) over
+/// other pixels. PixelEdges does not count this error.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
@@ -56,12 +58,12 @@ class SpreadLight {
     double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// Returns how the colour differs between the corners of a cell: upper left, upper right, lower left, lower
-/// right.
+/// Returns how an edge divides the corners of a quadtree cell, and the contrast of this edge. Order of the
+/// corners: upper left, upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel from the corners of its cells. Along an edge parallel to the cells,
-/// their errors are equal. Along a slanted edge, they are independent.
+/// Estimates the squared error of a pixel due to edges in its quadtree cells. Along an edge parallel to the
+/// cells, the errors of all cells are equal. Along a slanted edge, they are independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

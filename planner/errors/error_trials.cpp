@@ -12,8 +12,8 @@ namespace {
 constexpr int finest_levels = 6;
 constexpr int deepest_trees = NodePath::max_bounces + 1;
 
-/// Returns the settings with which the file was traced. Those that its header does not contain have default
-/// values.
+/// Returns the settings with which a sample file was traced. Those that its header does not contain have
+/// default values.
 TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     TraceSettings s;
     s.camera = camera.camera;
@@ -34,7 +34,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Adds the lens and shutter of the image to the settings of the trace, which then records what they need.
+/// Adds the image's lens and shutter to the settings of a new trace, which then records the hidden surfaces
+/// and instants that they reveal.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
         // In a trace, the f-number is relative to the film distance instead of the focal length. Converts it

@@ -1,5 +1,5 @@
-// Images made from new traces of the scene. Each trace removes one cause of error, for example missing hidden
-// surfaces.
+// Traces the scene again with better settings, and makes an image from each trace. Each trace removes one
+// cause of error, for example missing hidden surfaces.
 #pragma once
 
 #include <vector>
@@ -19,8 +19,8 @@ struct ErrorTrial {
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene again, in several trials. Each removes one limit of the records, the cause of
-/// error of this name:
+/// Traces the scene of a sample file again, in several trials with better settings. Each trial removes the
+/// cause of error of this name:
 /// - frame_edge: the overscan suffices for the lens and the shutter
 /// - hidden_surface: all hidden surfaces are recorded and, with a shutter, enough instants
 /// - record_density: one more level of subdivision (3 to 6 in all), complete shading trees, and a search for

@@ -21,9 +21,11 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Products of differences between images, summed over pixels.
+/// Squared errors of sRGB values, summed over pixels. `a` and `b` are the images from two independent halves
+/// of the views.
 /// - `noise`: squared noise of the mean of `a` and `b`
-/// - `products`: squared error of `other`, because the noise of `a` and `b` is independent
+/// - `products`: squared error of the image `other`, estimated without bias by (other - a) (other - b),
+///   because the noise of `a` and `b` is independent
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -38,19 +40,19 @@ struct Differences {
     }
 };
 
-/// Residuals (ray minus record or image) of a pixel in the two halves of the views, per channel, in sRGB
-/// values.
+/// Differences between rays and the image in one pixel, per channel, in sRGB values. `a` and `b` are measured
+/// in two independent halves of the views (images from different lens points).
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Returns the product of the residuals of two independent halves, as a mean over channels: an estimate of
-/// the squared error.
+/// Estimates the squared error of a pixel, as a mean over channels, by the product of the differences (ray
+/// minus image) that two independent halves of the views show.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean residuals (ray minus record) of the view samples, converted to sRGB values by the slope
-/// of the sRGB curve. Noise does not bias such a linear conversion.
+/// Returns the mean differences between rays and recorded colours in a pixel. They are converted to sRGB
+/// values by the slope of the sRGB curve, because noise does not bias a linear conversion.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -63,8 +65,8 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the residuals (ray minus image) of the highlights, as differences of sRGB values. Unlike a linear
-/// conversion, these are correct for large residuals.
+/// Returns the error of the highlights in a pixel (ray minus image), as differences of sRGB values. A
+/// conversion by the slope of the sRGB curve would be wrong for large errors.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -99,7 +101,7 @@ struct Mean {
     }
 };
 
-/// A sum over all pixels, estimated from pixels that are chosen with known probabilities.
+/// Estimates a sum over all pixels from a few randomly chosen pixels, whose probabilities are known.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -130,8 +132,9 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals (ray minus record) of two independent halves. If rare large residuals occur
-/// in only one half, its variance is underestimated. That of independent residuals is the lower limit.
+/// Mean product of the errors (ray minus record) in two independent halves of the views. If rare large errors
+/// occur in only one half, the variance of the products is too small. It is therefore at least that of
+/// independent errors.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {

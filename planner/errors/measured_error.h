@@ -1,5 +1,5 @@
-// Measures the errors of an image: the noise by comparing two independent halves of its views, and the error
-// of the records by check rays.
+// Measures the error of an image. The difference between two independent halves of its views shows the noise.
+// Rays that check single pixels show the error of the recorded data.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-/// Squared errors of a tile's sRGB values, clamped to [0, 1], as means over pixels and channels.
+/// Squared errors of a tile's sRGB values, clamped to [0, 1]. All are means over pixels and channels.
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
@@ -58,8 +58,8 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Selects the tiles with the largest values, until the others add up to at most `most`. `value(tile, share)`
-/// is the value of a tile with this share of the image.
+/// Returns 1 for the tiles with the largest values, and 0 for the others, whose values add up to at most
+/// `most`. `value(tile, share)` returns the value of a tile that covers the fraction `share` of the image.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -80,17 +80,17 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise, in sRGB values, of each tile's highlights if `views` rays per pixel showed
-/// them. `a` and `b` are the two halves of the image.
+/// Estimates the squared noise, in sRGB values, that each tile's highlights would have if `views` rays per
+/// pixel showed them. `a` and `b` are independent halves of the image's views.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles in which rays should replace all view samples, because the records cause too much
+/// Returns 1 for tiles in which rays should replace all recorded colours, because these cause too large an
 /// error (TileError::bias_mse).
 ///
-/// These are the tiles with the largest errors, until the others add at most `most_mse` to the mean of the
-/// image. They are also tiles whose error exceeds the noise of the views, twice its own standard error, and
-/// `fine_mse`.
+/// The tiles with the largest errors are selected, until the others add at most `most_mse` to the mean of the
+/// image. Tiles are also selected if their error exceeds the noise of the views, twice its own standard
+/// error, and `fine_mse`.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

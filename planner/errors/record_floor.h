@@ -1,5 +1,5 @@
-// The record floor: the error of an image that the spacing of its recorded samples causes. They show the
-// position of an edge only to within a quadtree cell.
+// The record floor: the error of an image that the spacing of its recorded samples causes. The samples show
+// the position of an edge only to within a quadtree cell.
 #pragma once
 
 #include <span>
@@ -12,17 +12,18 @@
 
 namespace postlens {
 
-/// Returns the factor by which a circle of confusion reduces the squared error of an edge. It is the number
-/// of pixels in the circle, because their errors are independent. Along an edge that is `aligned` with the
-/// quadtree cells, errors are equal. It is then the number of pixels across the circle.
+/// Returns the factor by which the lens's blur reduces the squared error of an edge whose position is
+/// inexact. It is the number of pixels in the circle of confusion, because their errors are independent.
+/// Along an edge that is `aligned` with the quadtree cells, errors are equal. The factor is then the number
+/// of pixels across the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor for edges that pass between the corners of a cell: the error of all cells, divided by that of cells
-/// whose corners show an edge. A fit.
+/// Some edges pass unseen between the corners of a quadtree cell. This factor, a fit, converts the error of
+/// the edges that the corners show to the error of all edges.
 inline constexpr double floor_unseen = 1.4;
 
-/// Expected squared error of each pixel's sRGB value due to the size of the quadtree cells (edge_cells.h).
-/// The circle of confusion reduces it (averaged_by). It is a mean over channels.
+/// Estimates the squared error of each pixel's sRGB value that arises because edges are known only to within
+/// a quadtree cell. The lens's blur reduces this error. It is a mean over channels.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
@@ -46,8 +47,8 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// Returns, for each pixel of a file, the error caused by knowing edges only to within a quadtree cell. Reads
-/// all records once.
+/// For each pixel of a sample file, returns the squared error that arises because edges are known only to
+/// within a quadtree cell. Reads all records once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Upper bound of the error of an image without rays. Unsure view samples, whose colours the records do not
-// determine, cause this error.
+// Upper bound of the error of an image that is made without rays. The error arises in pixels whose colours
+// the records do not determine.
 #pragma once
 
 #include <cmath>
@@ -15,15 +15,15 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Values for all pixels of the image. With a crop, only the pixels within it are valid.
+/// Upper bound of each pixel's error if no rays are traced. With a crop, only the values within it are valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
 };
 
-/// Returns an upper bound of each pixel's error due to unsure view samples, which the records do not
-/// determine. `image` is scene-linear. `lens.scene` and the number of views are ignored. Throws the errors of
-/// hybrid_picture.
+/// Returns an upper bound of each pixel's error due to unsure samples, i.e. colours of single views (images
+/// from one lens point) that the records do not determine. `image` is scene-linear. `lens.scene` and the
+/// number of views are ignored. Throws the errors of hybrid_picture.
 ///
 /// The bound assumes that the radiance of an unsure sample occurs in the pinhole image within the largest
 /// circle of confusion. It also assumes that all unsure samples of a pixel are too bright, or all too dark.

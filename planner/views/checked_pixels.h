@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// Selects the view samples that are compared with rays. Two random pixels of each block of pixels are
-/// checked. One states the error of the image, the other decides in which tiles rays replace all view
-/// samples.
+/// Selects the pixels and views (images from different lens points) whose recorded colours are compared with
+/// rays, to measure the error. In each block of pixels, two random pixels are checked. One states the error
+/// of the image, the other decides in which tiles rays replace all recorded colours.
 ///
 /// A block has 4 x 4 px, 2 x 2 px in small images, and 2 x 1 px in the smallest. In a checked pixel, two
 /// views of each half are compared. If rays have random radiances, a quarter of the views are compared, at

@@ -16,11 +16,12 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Each piece (square of the image) uses one of `scrambles` sets of lens points, number (column +
-/// scrambles_down * row) modulo `scrambles`. Pieces with the same set are at least 8 pieces apart.
+/// Number of different sets of lens points, which small squares of the image share. The square in column c
+/// and row r uses set number (c + scrambles_down * r) modulo `scrambles`. Squares with the same set are at
+/// least 8 squares apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
-/// Blends a pixel's values in `to` with those in `from`, which get the weight `share`.
+/// Blends `count` values of `to`, from index `begin` on, with those of `from`, which get the weight `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;

@@ -1,5 +1,5 @@
-// Divides the views of an image (reprojections to different lens points) into two independent halves. Their
-// difference measures the noise.
+// Divides the views of an image (reprojections to different lens points) into two independent halves, whose
+// difference shows the noise.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// Draws the views of an image in several steps, with a number of views for each tile. With a scene, rays
-/// replace samples whose colours the records do not determine.
+/// Averages the views of an image (reprojections to different lens points) in several steps, with a number of
+/// views for each tile. If a scene is given, rays replace colours that the records do not determine.
 class HalvedViews {
   public:
     /// `focus.views` and `focus.method` of `settings` are ignored. The image uses up to 127 sets of lens
@@ -63,8 +63,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views as an image. Also returns the number of rays, and the share of view samples
-/// within `crop` that are rays. `stated` stays empty.
+/// Returns the mean of all views as an image, with the number of rays, and the fraction of the samples within
+/// `crop` that rays replaced. `stated` (the measured error) stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

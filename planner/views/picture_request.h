@@ -15,10 +15,11 @@ namespace postlens {
 /// if there is none, or if the file was traced from another scene.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments), naming `method` or `--scene`, if a light field cannot make the image:
+/// Throws Error(wrong_arguments), naming `method` or `--scene`, if an image cannot be made as a mean over
+/// lens points:
 /// - the file is orthographic
 /// - the framing differs from that of the trace
-/// - the impulse response has no lens points
+/// - the blur is not a mean over lens points (`diffraction`, `lens:`)
 /// - the crop exceeds the image
 /// - the scene's exposure differs from the file's
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);

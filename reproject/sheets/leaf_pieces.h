@@ -1,4 +1,5 @@
-// Divides the quadtree leaves of a raster square into pieces that each show one surface.
+// Divides the undivided cells (leaves) of the quadtrees in a raster square into pieces that each show one
+// surface.
 #pragma once
 
 #include <array>
@@ -13,15 +14,14 @@
 
 namespace postlens {
 
-/// A square of the raster: columns [first_pixel, last_pixel) and the first `rows` rows of a band of raster
-/// rows.
+/// A square of pixels in a band of raster rows: columns [first_pixel, last_pixel), and the first `rows` rows.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// The part of a quadtree leaf (undivided cell) that shows one surface: the whole leaf or a quarter of it.
+/// A quadtree cell, or the quarter of one, that shows a single surface.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
@@ -38,8 +38,8 @@ struct LeafPiece {
     bool maybe = false;
 };
 
-/// Divides quadtree leaves into pieces. If the four corners see one continuous surface, the leaf is one
-/// piece. Otherwise each quarter is a piece that shows the surface at its corner.
+/// Divides undivided quadtree cells into pieces. If the rays through the four corners hit one continuous
+/// surface, the cell is one piece. Otherwise each quarter is a piece that shows the surface at its corner.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.

@@ -6,12 +6,12 @@
 namespace postlens {
 namespace {
 
-/// Largest slope of a surface relative to the film, as a tangent. A sphere of 1600 px radius exceeds it only
-/// within half a pixel of its outline.
+/// Two ray hits belong to different surfaces if the slope between them, relative to the film, exceeds this
+/// tangent. A sphere of 1600 px radius exceeds it only within half a pixel of its outline.
 constexpr double steepest_slope = 40;
 
-/// Combines the shading-tree nodes of one sample and layer into a surface with their total radiance. Returns
-/// false if none of the nodes is seen directly.
+/// Combines the ray hits of one eye ray in one layer (visible or hidden), including reflections, into a
+/// surface with their total radiance. Returns false if no hit is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -46,9 +46,10 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Calls take(visible, first, last) for the records [first, last) of each sample and layer, in ascending
-/// order of layers, and done() after each sample.
-/// `visible` is the sample's first record of layer 0 (the surface that the pinhole sees).
+/// For each eye ray and each of its layers (the visible surface, then the hidden ones), calls take(visible,
+/// first, last) with the layer's records [first, last). `visible` is the ray's first record of the visible
+/// layer.
+/// Calls done() after each ray.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -93,8 +94,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// Returns the record of [first, last) with the given path (reflections and transmissions from the eye), or
-/// null.
+/// Returns the record of [first, last) that is seen by the sequence `path` of reflections and transmissions,
+/// or null if there is none.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -117,7 +118,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// Finds the index of each node's parent in [first, last). A node without a parent there gets its own index.
+/// For each ray hit in [first, last), finds the index of its parent: the mirror or glass in which it is seen.
+/// A hit without a recorded parent gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -128,8 +130,8 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns W, the matrix that describes how the node's image moves with the lens point. It is I / z' for a
-/// node seen directly.
+/// Returns the matrix W, which describes how the image of a surface point moves with the lens point. For a
+/// point seen directly, it is I / z'.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -140,8 +142,9 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds each node's radiance and marks (flags) to its ancestors, and updates their TreeSurface::strays. Nodes
-/// brighter than `bright_above` are drawn separately, so they make `strays` infinite.
+/// Adds the radiance and flags of each reflected or transmitted ray hit to all surfaces through which it is
+/// seen, and updates their TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so
+/// they make `strays` infinite.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

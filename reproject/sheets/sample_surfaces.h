@@ -1,4 +1,5 @@
-// Converts records to surfaces: one per layer of a point sample, or one per node of its shading tree.
+// Converts the records of eye rays to surfaces: one per visible or hidden layer, or one per hit of the ray
+// and its reflections and refractions.
 #pragma once
 
 #include <array>
@@ -10,8 +11,8 @@
 
 namespace postlens {
 
-/// One layer of a point sample: depth and id of the surface that the eye ray hits, and radiance of its whole
-/// shading tree.
+/// A surface, visible or hidden behind others, at one point sample. Its radiance includes everything that is
+/// seen in it by reflection and refraction.
 struct LayerSurface {
     float inverse_z = 0;  ///< 1/m; 0 if infinitely far
     float r = 0, g = 0, b = 0;
@@ -43,42 +44,43 @@ struct TreeSurface {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface: the line through both is inclined to the film by at
-/// most 88.6 degrees.
-/// `across`: distance on the film, divided by the film distance for a perspective camera, or in m for an
-/// orthographic one.
+/// Returns whether two eye rays may hit one continuous surface: the line between their hits is inclined to
+/// the film by at most 88.6 degrees.
+/// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
+/// camera, it is in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the size of a pixel in the unit of is_one_surface's `across`: a tangent for a perspective camera,
-/// m for an orthographic one.
+/// Returns the width of a pixel in the unit of is_one_surface's `across`: divided by the film distance for a
+/// perspective camera, in m for an orthographic one.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
-/// The surfaces of point samples. Sample i has the elements [offsets[i], offsets[i + 1]), from the nearest
-/// layer to the farthest.
+/// The directly seen surfaces of eye rays, visible and hidden. Ray i has the elements [offsets[i], offsets[i
+/// + 1]), from near to far.
 struct SampleSurfaces {
     std::vector<LayerSurface> surfaces;
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces of point samples: layer 0 is visible from the pinhole, and layer n is the n-th surface
-/// behind it. Layers without a directly seen surface are skipped.
+/// Finds the directly seen surfaces of eye rays (`points`): layer 0 is visible from the pinhole, and layer n
+/// is the n-th surface behind it. Layers without a directly seen surface are skipped.
 /// `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]), sorted
-/// from near to far layers, and within a layer by path.
+/// All hits (nodes) of eye rays and their reflections and refractions. Ray i has the elements [offsets[i],
+/// offsets[i + 1]), sorted by layer from near to far, and within a layer by the sequence of reflections and
+/// transmissions.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
     bool any_below = false;  ///< false if all `below` are black
 };
 
-/// Finds the surfaces of the samples `points`, one for each node of their shading trees. Primary nodes of all
-/// layers go to `primary`, and reflected and transmitted nodes to `deeper`. `points` were read from `band`,
-/// from row y_begin on.
+/// Converts all hits of the eye rays `points`, and of their reflections and refractions, to surfaces.
+/// Surfaces seen directly go to `primary`, reflected and transmitted ones to `deeper`. `points` were read
+/// from `band`, from row y_begin on.
 ///
-/// A layer without a primary node shows surfaces that are hidden within a reflection or refraction of layer
-/// 0. Its nodes are used only if their parents are recorded. Nodes brighter than `bright_above` in any
-/// channel are never drawn as part of their parents (TreeSurface::strays).
+/// A layer without a directly seen surface shows surfaces that are hidden within a reflection or refraction
+/// of layer 0. They are used only if the mirror or glass is recorded. Surfaces brighter than `bright_above`
+/// in any channel are never drawn as part of their mirror or glass (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

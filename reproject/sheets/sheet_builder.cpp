@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A quadtree leaf with a higher contrast is assumed to contain an edge. Used for files without a threshold
-/// of their own.
+/// A quadtree cell is assumed to contain an edge if the colours at its corners have a higher contrast. Only
+/// used for files that do not contain the threshold of their trace.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -61,7 +61,8 @@ bool SheetBuilder::is_unsure_below(const LeafPiece& piece) const {
     return false;
 }
 
-// Whether the contrast [mitchell1987] exceeds the threshold. `trace` divides pixels by the same rule.
+// Returns whether four colours have a contrast [mitchell1987] above the threshold. `trace` divides pixels by
+// the same rule.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);

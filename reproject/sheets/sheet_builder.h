@@ -1,4 +1,4 @@
-// Builds the sheets (one per surface) of one square of the raster from quadtree leaves.
+// Builds sheets, i.e. the surfaces within one square of the raster, from the quadtrees of its pixels.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Builds sheets (surfaces within a square of the raster) from the samples at the corners of quadtree leaves.
-/// Parts of an object with too different depths become different sheets.
+/// Builds sheets (surfaces within a square of the raster) from the ray hits at the corners of quadtree cells.
+/// Parts of an object with very different depths become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.

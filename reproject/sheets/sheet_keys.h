@@ -1,4 +1,5 @@
-// Numbers the distinct sheet keys of shading-tree nodes. A sheet key identifies the surface of a node.
+// Numbers the distinct surfaces to which recorded ray hits belong. A surface is identified by its object and
+// the sequence of reflections and transmissions that shows it.
 #pragma once
 
 #include <cstdint>

@@ -18,18 +18,18 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Numbers of elements that earlier tasks have added to the joined mesh, i.e. the offsets of a task's
+/// Sizes of the joined lists before the elements of one task are appended, i.e. the offsets of this task's
 /// indices.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// After joining a list of more than this many bytes, freed memory is returned to the system. For smaller
+/// Freed memory is returned to the system after joining a list of more than this many bytes. For smaller
 /// lists, this takes too long.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the meshes of several tasks, list by list, and frees the tasks' lists. Indices are renumbered,
-/// because they start at 0 in each task.
+/// Joins the surfaces that several parallel tasks have built, and frees the tasks' lists. Indices are
+/// renumbered, because they start at 0 in each task.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -86,8 +86,8 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// A row of squares of the raster, with its quadtree leaves, their nodes and the nodes' surfaces (sheet
-/// keys).
+/// A row of raster squares (16 x 16 px), with the quadtrees of its pixels, the ray hits at the corners of
+/// their cells, and the surfaces of these hits.
 struct Strip {
     int y = 0, y_end = 0;
     PixelLeaves leaves;
@@ -116,8 +116,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Returns how many strips (`edge` raster rows each) are read together from row y on: enough for all threads,
-/// and few enough for a cache.
+/// Returns how many strips (groups of 16 raster rows) are read together from row y on: enough for all
+/// threads, and few enough for a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t most = 64;

@@ -1,5 +1,5 @@
-// Groups the records of one instant into sheets: surfaces within a square of the raster. Each pixel of a
-// sheet has a quadtree of colours and a plane of depths.
+// Groups the records of one instant into sheets. A sheet is one surface within a square of the raster; each
+// of its pixels has a quadtree of colours and a plane of depths.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Identifies a surface by its object, its path (sequence of reflections and transmissions), the object that
-/// reflects or transmits it, and whether it lies closely behind another surface.
+/// Identifies a surface by its object, the reflections and transmissions by which it is seen, its mirror or
+/// glass, and whether it lies closely behind another surface.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -29,8 +29,8 @@ struct SheetKey {
     }
 };
 
-/// A linear function of raster position: `value + x * dx + y * dy`, with the offset (dx, dy), in px, from an
-/// origin that each list states.
+/// A linear function `value + x * dx + y * dy` of the offset (dx, dy), in px, from an origin. Each list of
+/// such functions states its origin.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -58,11 +58,11 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of a sheet's quadtree is one of:
+/// A node of the quadtree of colours in one pixel of a surface. It is one of:
 /// - `none`: empty;
 /// - `maybe`: a quarter of a leaf that the surface's edge crosses. Its corner shows a farther surface, but
-/// the rest may show this one;
-/// - a leaf: the index of its texel (colour) with the bit `leaf` set;
+///   the rest may show this one;
+/// - a leaf: the index of its colour (Texel) with the bit `leaf` set;
 /// - otherwise the index of its first child. Order: up-left, up-right, down-left, down-right.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
@@ -80,15 +80,16 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Which part of a surface nearer surfaces hide within a quadtree leaf.
+/// Whether nearer surfaces hide a part of a surface within a quadtree cell, and whether this part is
+/// recorded.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
     unknown    ///< a part that may not be recorded
 };
 
-/// A highlight: radiance above a limit, removed from a recorded surface. The highlight's impulse response
-/// spreads it over the image.
+/// Radiance above a limit, removed from a recorded surface. The lens's point spread function spreads it over
+/// the image instead.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -107,7 +108,7 @@ struct Highlight {
     }
 };
 
-/// A texel (colour of one quadtree leaf) whose radiance exceeds the limit for highlights.
+/// The colour (texel) of a quadtree cell whose radiance exceeds the limit for highlights.
 struct BrightTexel {
     std::uint32_t texel = 0;
     std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
@@ -142,8 +143,8 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// The sheets (parts of surfaces) of one instant: `primary` are seen directly, and `deeper` by reflection or
-/// transmission.
+/// The sheets (surfaces within squares of the raster) of one recorded instant: `primary` are seen directly,
+/// and `deeper` by reflection or transmission.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< its planes include W; empty if there are no such surfaces
@@ -155,20 +156,20 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which bright surfaces become highlights. A highlight is the radiance of each channel beyond
-/// `above`; an impulse response spreads it over the image.
+/// Decides which bright surfaces become highlights. Their radiance beyond `above`, per channel, is then
+/// spread over the image by the lens's point spread function.
 struct HighlightRule {
     float above = 1;
     /// Returns whether the bright light of a surface becomes a highlight. `key` identifies the surface. An
     /// empty function means that nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns, for each sheet, the area whose radiance exceeds the limit for highlights, and whether nearer
-/// surfaces hide parts of it.
+/// For each sheet (surface within a square of the raster), returns the area that is brighter than the limit
+/// for highlights, and whether nearer surfaces hide parts of it.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects the needed sheets (parts of surfaces) of an instant. Others are not built. The choice changes the
-/// sheets' indices, but not their contents.
+/// Selects which sheets (surfaces within squares of the raster) are built, because an image may need only
+/// some. The selection changes the sheets' indices, but not their contents.
 struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
@@ -183,14 +184,14 @@ struct SheetChoice {
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets (parts of surfaces) of an instant from the file, and passes the records to `also`. Throws
-/// Error(out_of_memory), and exceptions of the reader and of `also`.
+/// Reads the sheets (surfaces within squares of the raster) of one instant from the sample file, and passes
+/// the records to `also`. Throws Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Applies a new rule for highlights with the same limit `above`. The result is bit-identical to sheets that
-/// `tree_sheets` builds with the new rule.
+/// Selects the highlights again, by a new rule with the same limit `above`. The result is bit-identical to
+/// sheets that `tree_sheets` builds with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

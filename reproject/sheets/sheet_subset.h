@@ -1,4 +1,4 @@
-// Copies some of the sheets (surfaces within squares of the raster) of a mesh into another mesh.
+// Copies selected sheets (surfaces within squares of the raster) to a new mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets whose entry in `wanted` is not 0, in the same order. Call before take_highlights,
-/// because highlights are not copied.
+/// Copies the sheets (surfaces within squares of the raster) whose entry in `wanted` is not 0, in the same
+/// order. Call before take_highlights, because highlights are not copied.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens
