@@ -36,8 +36,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Plans the number of views (images from different lens points) of each tile for the next step. Doubles it
-/// where this reduces the error most, until the expected mean error of the image is below `wanted_mse`.
+/// Plans the next number of views (images from different lens points) of each tile. Doubles it where this
+/// reduces the error most, until the image's expected mean error is below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -85,7 +85,7 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
 }
 
 /// Selects the tiles in which rays, instead of the lens's point spread function, should show the highlights.
-/// In the other tiles, highlights cause at most a quarter of the target error `most_mse`.
+/// In the others, highlights cause at most a quarter of the target error `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -100,8 +100,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Plans the number of views (images from different lens points) of each tile for the next step, to narrow
-/// the 95 % interval of the error. The views have at most `most_samples` pixels together.
+/// Plans the next number of views (images from different lens points) of each tile, to narrow the 95 %
+/// interval of the error. All views together have at most `most_samples` pixels.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {

@@ -24,8 +24,7 @@ constexpr double wrong_above = 1.0 / 255;
 /// error. The limit applies to squared errors.
 constexpr double explained = 0.25;
 /// A possible cause of a pixel's error is accepted if its estimated squared error is at least this fraction
-/// of the measured one. The limit is smaller for too few samples, because their error is often
-/// underestimated.
+/// of the measured one. The error of too few samples is often underestimated, so its limit is smaller.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
@@ -97,7 +96,6 @@ class BeyondMargin {
     double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest CoC radius along each side, px
 };
 
-/// Returns the mean over a square of (2 radius_px + 1)^2 pixels around each pixel.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
     const auto at = [](int line, int next, int i, int step) {

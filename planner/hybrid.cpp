@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-/// The sample file is insufficient for a pixel if more than this fraction of its light is not recorded, or if
-/// more radiance than this is reprojected to a wrong position.
+/// The sample file is insufficient for a pixel if more than this fraction of its light is not recorded, or
+/// more than this radiance is reprojected to a wrong position.
 constexpr double tolerated = 0.02;
 
 /// Returns the fraction of the pixels in the image or crop for which the sample file is insufficient.
@@ -32,8 +32,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by the time to draw one view (image from one lens point). In pixels
-/// where `scatter` is exact, it replaces the views if they would take longer.
+/// Time of the method `scatter`, divided by the time to draw one view (image from one lens point). Where
+/// `scatter` is exact, it replaces the views if they would take longer.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -86,8 +86,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should show the highlights. There, the error of spreading highlights by
-/// the lens's point spread function exceeds its own standard error and the noise of rays.
+/// Returns 1 for tiles in which rays should show the highlights: their error when spread by the lens's point
+/// spread function exceeds its own standard error and the noise of rays.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

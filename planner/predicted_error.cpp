@@ -14,9 +14,8 @@
 namespace postlens {
 namespace {
 
-/// The estimate uses at least `least_views` views (images from different lens points), in sets that are
-/// numbered from `first_set` on. The image itself uses smaller numbers, so its error is independent of
-/// theirs.
+/// The estimate draws at least `least_views` views (images from different lens points), in sets numbered from
+/// `first_set` on. The image itself uses smaller numbers, so its error is independent.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

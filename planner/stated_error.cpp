@@ -21,7 +21,7 @@ double weight_of(const TileError& tile, double price) {
 }
 
 /// Chooses the weight with which another image is blended into a tile. Cross-validation over parts of the
-/// tile estimates the error, because an image that is good by chance would otherwise seem too good.
+/// tile estimates the error. Otherwise, an image that is good by chance would seem too good.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;

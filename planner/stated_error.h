@@ -55,10 +55,10 @@ struct StatedError {
 /// of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight with which another image is blended with the views. At first, the
-/// weights minimise the estimated error. While its 95 % interval is wider than wanted_interval_db, weights
-/// with a larger but better known error are tried. If no interval is narrow enough, the weights with the
-/// smallest StatedError::high_mse are chosen.
+/// Chooses, for each tile, the weight with which another image is blended with the views. First tries the
+/// weights with the smallest estimated error, then weights with larger but better known errors, until the 95
+/// % interval is at most wanted_interval_db wide. If none is, chooses those with the smallest
+/// StatedError::high_mse.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

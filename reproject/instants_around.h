@@ -11,9 +11,9 @@ struct InstantShare {
     double share = 1;
 };
 
-/// Returns the recorded instants just before and just after `time_s`, with their weights for linear
-/// interpolation. Before the first or after the last recorded instant, returns only the nearest one.
-/// `instants_s` must not be empty, but may be unsorted.
+/// Returns the recorded instants just before and after `time_s`, with their weights for linear interpolation.
+/// Outside the recorded interval, returns only the nearest instant. `instants_s` (in any order) must not be
+/// empty.
 [[nodiscard]] std::vector<InstantShare> instants_around(const std::vector<double>& instants_s, double time_s);
 
 }  // namespace postlens

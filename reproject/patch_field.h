@@ -111,7 +111,7 @@ struct PatchField {
 };
 
 /// The directly visible surface in each pixel of an image square, for each view (image for one lens point and
-/// instant). For views that blend two recorded instants, only the first is stored.
+/// instant). If a view blends two recorded instants, only the first is stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
@@ -154,8 +154,8 @@ class Lights {
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Compares traced rays with recorded colours in one pixel, to measure the error of the image. The residual
-/// of a view is the radiance of its ray minus the recorded radiance, or 0 if the image uses the ray.
+/// Compares traced rays with recorded colours in one pixel, to measure the error of the image. A view's
+/// residual is the ray's radiance minus the recorded one, or 0 if the image uses the ray.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed

@@ -54,8 +54,8 @@ class RasterMap {
 };
 
 /// How far the image of a surface moves if a lens point sees it instead of the pinhole. The recorded matrix W
-/// describes this motion for focus at infinity; a directly visible surface at depth z' has W = I / z'.
-/// For the focus distance s and the lens point `lens_px`, the image moves by `(I / s - W) lens_px +
+/// describes this motion; a directly visible surface at depth z' has W = I / z'.
+/// With the focus distance s and the lens point `lens_px`, the image moves by `(I / s - W) lens_px +
 /// offset_px`.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
@@ -65,12 +65,12 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns the map that first applies an object's motion, and then shifts its image as the lens point
-/// requires. Only for directly visible surfaces. `motion` must be perspective unless the shift is 0.
+/// Combines the motion of an object and the image shift by the lens into one map. Only for directly visible
+/// surfaces. `motion` must be perspective unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Returns the matrix from homogeneous raster to homogeneous camera coordinates, in m, at the frame's
-/// instant. The camera looks along -z, with x to the right and y up.
+/// Returns the matrix from raster points to homogeneous camera coordinates, in m, at the frame's instant. The
+/// camera looks along -z, with x to the right and y up.
 /// A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A random straight edge divides a unit square. The area on one side is estimated by the fraction of the
-/// four corners on this side. This is the mean squared error.
+/// A random straight edge divides a unit square. The fraction of the four corners on one side estimates the
+/// area of this side, with this mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
 /// Mean squared error of the same estimate (edge_cell_variance) for edges parallel to a side of the square.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
@@ -62,8 +62,8 @@ class SpreadLight {
 /// corners: upper left, upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel due to edges in its quadtree cells. Along an edge parallel to the
-/// cells, the errors of all cells are equal. Along a slanted edge, they are independent.
+/// Estimates the squared error of a pixel due to edges in its quadtree cells. The errors of cells along an
+/// edge parallel to the cells are equal; those along a slanted edge are independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -7,16 +7,16 @@
 
 namespace postlens {
 
-/// For each pixel, returns the variance of the sRGB values in a square of 65 x 65 px around it, as a mean
-/// over channels. The result is bit-identical for any number of threads.
+/// Returns the variance of the sRGB values in the square of 65 x 65 px around each pixel, as a mean over
+/// channels. The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
 /// Returns the expected squared error of a pixel's sRGB value if the fraction `unknown_share` of its light is
-/// not recorded, and is replaced by the colours around it. `variance` is the variance of their sRGB values.
+/// not recorded, and surrounding colours replace it. `variance` is that of their sRGB values.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Returns the expected squared error of a pixel if its light, the sRGB value `light`, is reprojected to a
+/// Returns the expected squared error of a pixel if its light (the sRGB value `light`) is reprojected to a
 /// wrong position. Half of it is assumed to reach the right pixel.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;

@@ -24,8 +24,8 @@ double encoded(float linear) {
 /// Squared errors of sRGB values, summed over pixels. `a` and `b` are the images from two independent halves
 /// of the views.
 /// - `noise`: squared noise of the mean of `a` and `b`
-/// - `products`: squared error of the image `other`, estimated without bias by (other - a) (other - b),
-///   because the noise of `a` and `b` is independent
+/// - `products`: squared error of `other`, as (other - a)(other - b); it is unbiased, because the noise of
+///   `a` and `b` is independent
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -40,8 +40,8 @@ struct Differences {
     }
 };
 
-/// Differences between rays and the image in one pixel, per channel, in sRGB values. `a` and `b` are measured
-/// in two independent halves of the views (images from different lens points).
+/// Differences between rays and the image in one pixel, per channel, in sRGB values. Two independent halves
+/// of the views (images from different lens points) give `a` and `b`.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
@@ -51,8 +51,8 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean differences between rays and recorded colours in a pixel. They are converted to sRGB
-/// values by the slope of the sRGB curve, because noise does not bias a linear conversion.
+/// Returns the mean differences between rays and recorded colours in a pixel. The slope of the sRGB curve
+/// converts them to sRGB values: noise does not bias a linear conversion.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -132,9 +132,8 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the errors (ray minus record) in two independent halves of the views. If rare large errors
-/// occur in only one half, the variance of the products is too small. It is therefore at least that of
-/// independent errors.
+/// Mean product of the errors (ray minus record) that two independent halves of the views show. Its variance
+/// is at least that of independent errors, because rare large errors may occur in only one half.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {

@@ -58,8 +58,8 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Returns 1 for the tiles with the largest values, and 0 for the others, whose values add up to at most
-/// `most`. `value(tile, share)` returns the value of a tile that covers the fraction `share` of the image.
+/// Returns 1 for the tiles with the largest values, and 0 for the others, whose sum is at most `most`.
+/// `value(tile, share)` returns the value of a tile that covers the fraction `share` of the image.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {

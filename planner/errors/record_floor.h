@@ -19,11 +19,11 @@ namespace postlens {
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
 /// Some edges pass unseen between the corners of a quadtree cell. This factor, a fit, converts the error of
-/// the edges that the corners show to the error of all edges.
+/// edges that the corners show to the error of all edges.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value that arises because edges are known only to within
-/// a quadtree cell. The lens's blur reduces this error. It is a mean over channels.
+/// Estimates the squared error of each pixel's sRGB value, as a mean over channels, due to edges that are
+/// known only to within a quadtree cell. The lens's blur reduces this error.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);

@@ -13,12 +13,12 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that measure which fraction of a pixel's samples the
-/// records do not determine. With 16 views, it is accurate to a few hundredths.
+/// Number of views (images from different lens points) that measure how many of a pixel's samples the records
+/// do not determine. With 16 views, their fraction is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// Smallest and largest value of each colour channel around a pixel. They are stored for squares of 8 x 8 px,
-/// and include all pixels up to `radius_px` around the square.
+/// Smallest and largest value of each colour channel near a pixel. They are stored for squares of 8 x 8 px,
+/// and include pixels up to `radius_px` around the square.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)

@@ -17,8 +17,8 @@ namespace {
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
 /// Number of different sets of lens points, which small squares of the image share. The square in column c
-/// and row r uses set number (c + scrambles_down * r) modulo `scrambles`. Squares with the same set are at
-/// least 8 squares apart.
+/// and row r uses set (c + scrambles_down * r) modulo `scrambles`. Squares with equal sets are at least 8
+/// squares apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Blends `count` values of `to`, from index `begin` on, with those of `from`, which get the weight `share`.

@@ -18,7 +18,7 @@
 namespace postlens {
 
 /// Averages the views of an image (reprojections to different lens points) in several steps, with a number of
-/// views for each tile. If a scene is given, rays replace colours that the records do not determine.
+/// views for each tile. With a scene, rays replace colours that the records do not determine.
 class HalvedViews {
   public:
     /// `focus.views` and `focus.method` of `settings` are ignored. The image uses up to 127 sets of lens
@@ -63,8 +63,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views as an image, with the number of rays, and the fraction of the samples within
-/// `crop` that rays replaced. `stated` (the measured error) stays empty.
+/// Returns the mean of all views, with the number of rays, and the fraction of the samples within `crop` that
+/// rays replaced. `stated` (the measured error) stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -39,8 +39,8 @@ struct TileGrid {
     }
 };
 
-/// Returns the edge, in px, of small image squares (pieces) that each have their own lens points. Their
-/// errors are therefore independent. Estimating the noise needs at least 2000 of them.
+/// Returns the edge, in px, of small image squares (pieces) with their own lens points, so that their errors
+/// are independent. Estimating the noise needs at least 2000 of them.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

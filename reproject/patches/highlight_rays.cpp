@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 /// Number of rays per pixel towards highlights: 28 if the radiances of four test rays differ, otherwise 4.
-/// The test rays are not part of the mean, because they would bias it.
+/// The mean leaves out the test rays, because they would bias it.
 constexpr int few_rays = 4, many_rays = 28;
 /// The radiances of a pixel's rays differ if, in some channel, their range exceeds this fraction of the
 /// largest one.

@@ -73,9 +73,9 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes where samples begin to begin + lanes - 1 of an image row hit a planar patch. `first` is the row's
-/// sample 0 in patch coordinates.
-/// Bit n of the result: sample begin + n lies in the patch and is nearer than the inverse depth there[n].
+/// Computes where samples begin to begin + lanes - 1 of an image row hit a planar patch. In the patch's
+/// coordinates, sample 0 of the row lies at `first`.
+/// Bit n of the result: sample begin + n hits the patch, nearer than the inverse depth there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -109,8 +109,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n that show the mirror or glass object `id`. A reflected or transmitted
-/// patch is drawn only in samples that show its mirror or glass.
+/// Returns a bit mask of the samples n that lie on the mirror or glass object `id`. Only there are the
+/// surfaces that are seen in it drawn.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -133,8 +133,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws a patch in the samples whose bit is set in `found`, except where the patch has a hole (an empty
-/// quadtree leaf). A SIMD gather would not be faster, because half of the bits are 0.
+/// Draws a patch in the samples whose bit is set in `found`, except in holes (empty quadtree leaves). A SIMD
+/// gather would not be faster, because half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));

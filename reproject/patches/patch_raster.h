@@ -53,8 +53,7 @@ struct TilePlace {
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets the elements of `values` for the used pixels of a tile to `value`. `values` stores 64 elements
-/// (SeenTile::edge) per row of pixels.
+/// Sets the used pixels of a tile to `value`. The array `values` has SeenTile::edge elements per row.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -75,8 +74,8 @@ struct TilePart {
     }
 };
 
-/// A coarse set of pixels of a 64 x 64 px tile, with one bit per block of 8 x 8 px. It quickly shows that a
-/// rectangle contains no pixel of the set.
+/// A coarse set of pixels of a 64 x 64 px tile: one bit per block of 8 x 8 px. It quickly excludes rectangles
+/// that contain no pixel of the set.
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
@@ -102,8 +101,8 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a planar patch of a surface into a tile, with a depth test. Of equally near surfaces, the pixel
-/// keeps the first one. Back faces are not drawn, because they are not recorded.
+/// Draws a planar patch of a surface into a tile, with a depth test. Of equally near surfaces, the first one
+/// stays. Back faces are not drawn, because they are not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
@@ -136,8 +135,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a reflected or transmitted patch, with a depth test, in the pixels of `wanted`, which show its
-/// mirror or glass. The patch may be mirror-inverted. It is skipped if the view stretches a raster px to more
-/// than `largest_torn_px`. `out` must come from find_wanted.
+/// mirror or glass. It may be mirror-inverted. It is skipped if the view stretches it more than
+/// `largest_torn_px` times. `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -9,7 +9,7 @@
 namespace postlens {
 
 /// Bounding rectangle of a static patch (planar part of a surface), as seen from any lens point. Its centre
-/// moves linearly with the lens point; its size is the largest that occurs.
+/// moves linearly with the lens point; its size is fixed.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -30,9 +30,8 @@ struct PatchReach {
     }
 };
 
-/// Bounds the image of a patch (planar part of a surface), as seen from any lens point. `farthest_px`:
-/// largest |x| and |y| of a lens point (LensShift::lens_px). `shift_px`: largest shift of surfaces at
-/// infinity, in px.
+/// Bounds where any lens point sees a patch (planar part of a surface). `farthest_px`: largest |x| and |y| of
+/// a lens point (LensShift::lens_px). `shift_px`: largest image shift of surfaces at infinity.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

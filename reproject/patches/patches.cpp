@@ -14,15 +14,14 @@ namespace {
 /// circle of confusion.
 constexpr double exact_share = 0.02;
 /// Depth tests move a hidden surface back, so that it does not show through a surface closely in front of it.
-/// They reduce its inverse depth by at most this fraction.
+/// Its inverse depth decreases by at most this fraction.
 constexpr double most_back = 0.02;
 /// A pixel of a surface is drawn in a single colour if its circle of confusion has at least this radius, in
 /// px. For an ellipse, the smaller semi-axis counts.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes, by least squares, to values that vary over a patch (part of a surface), such as inverse
-/// depth. Each pixel adds four points, (+-1/4, +-1/4) px from its centre. The planes' origin is the patch's
-/// corner.
+/// Fits planes to values that vary over a patch (part of a surface), such as inverse depth, by least squares.
+/// Each pixel adds four points, (+-1/4, +-1/4) px from its centre. The origin is the patch's corner.
 template <std::size_t values>
 class Fit {
   public:

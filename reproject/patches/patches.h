@@ -48,12 +48,12 @@ struct PatchLens {
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// The images of reflected or refracted surfaces are assumed to move linearly with the lens point. If this
-/// causes a larger error, in px, the surface counts as insufficiently recorded (Patch::bent).
+/// Images of reflected or refracted surfaces are assumed to move linearly with the lens point. If this causes
+/// a larger error, in px, the surface counts as insufficiently recorded (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
-/// A part of a surface that is reprojected as a plane: the pixels [x, x + width) x [y, y + height) of a
-/// sheet, which is one surface within a raster square.
+/// A part of a surface that is reprojected as a plane. It has the pixels [x, x + width) x [y, y + height) of
+/// a sheet (one surface within a raster square).
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
@@ -64,8 +64,8 @@ struct Patch {
     float back_per_m = 0;           ///< amount, 1/m, by which depth tests reduce the patch's 1/z'
 };
 
-/// The affine map that reprojects a patch (planar part of a surface) into a view. The point (x, y), in px
-/// from the patch's corner, appears at raster position `from + move * (x, y)`.
+/// The affine map that reprojects a patch (planar part of a surface) into a view. A point (x, y), in px from
+/// the patch's corner, appears at `from + move * (x, y)` on the raster.
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
@@ -134,7 +134,7 @@ struct PatchMesh {
 /// planes.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
-/// Computes the affine map of a patch (planar part of a surface) into a view: first the object's motion,
+/// Computes where a patch (planar part of a surface) appears in a view: first applies the object's motion,
 /// linearised at the patch's centre, then the image shift by the lens. Returns false if the patch lies behind
 /// the camera.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
@@ -150,17 +150,17 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to those pixels of the scene point's circle of confusion whose rays the
-/// patch blocks. The map is linearised at the patch's centre. Returns false if it is singular.
+/// Maps a directly visible patch to those pixels of the scene point's circle of confusion whose rays it
+/// blocks. The map is linearised at the patch's centre. Returns false if it is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, because they may hide a scene
-/// point. `light_per_m` is the scene point's inverse depth, at most `nearest_per_m`. Each part gets its map
-/// to the raster (place_patch).
+/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, with their maps to the raster
+/// (place_patch). They may hide a scene point of inverse depth `light_per_m`, which is at most
+/// `nearest_per_m`.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

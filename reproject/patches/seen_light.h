@@ -21,8 +21,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours that one view shows in the first `width` x `height` pixels of a tile to `sums`. Lists in
-/// `with_children` the pixels whose surface has recorded reflections or refractions.
+/// Adds the colours that one view shows in the first `width` x `height` pixels of a tile to `sums`. Lists the
+/// pixels whose surface has recorded reflections or refractions in `with_children`.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

@@ -20,7 +20,7 @@ struct TimeSpanViews {
 };
 
 /// Groups the views that show motion and use the records of `instant` into short time spans. Without rays,
-/// each view gets its own span, because PatchView::light_before is only used with rays. The result points
+/// each view is a span of its own, because its PatchView::light_before need not be set. The result points
 /// into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Some views may lack a reflected or transmitted surface, because it is not recorded for their lens point.
-/// If fewer than this fraction of the views has it, the radiance seen from the pinhole is blended in.
+/// A reflected or transmitted surface may not be recorded for some views. If fewer than this fraction of the
+/// views has it, the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace

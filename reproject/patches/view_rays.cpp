@@ -5,8 +5,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the area of the recorded image, in px^2, that one pixel of the view shows at raster point `p`. The
-/// surface is assumed to be parallel to the film. Returns nothing outside the recorded image.
+/// Returns the area of the recorded image, in px^2, that one pixel of the view shows at raster point `p`, if
+/// the surface is parallel to the film. Returns nothing outside the recorded image.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -17,9 +17,8 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Returns whether the recorded data determine the directly visible surface in pixel `k`: no edge crosses its
-/// quadtree cell, and no nearer surface may hide it. `u` (0 or 1) is one of the two recorded instants that
-/// the view blends.
+/// Returns whether the records determine the directly visible surface in pixel `k`: no edge crosses its
+/// quadtree cell, and no nearer surface may hide it. `u` (0 or 1) is the recorded instant.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -1,4 +1,4 @@
-// Selects pixels of single views (images for one lens point and instant) in which rays are traced. The rays
+// Selects pixels of single views (images for one lens point and instant) in which rays are traced. They
 // replace colours that the records do not determine, or check recorded colours.
 #pragma once
 

@@ -38,7 +38,7 @@ struct LeafPiece {
     bool maybe = false;
 };
 
-/// Divides undivided quadtree cells into pieces. If the rays through the four corners hit one continuous
+/// Divides the cells of quadtrees into pieces. If the rays through a cell's four corners hit one continuous
 /// surface, the cell is one piece. Otherwise each quarter is a piece that shows the surface at its corner.
 class LeafPieces {
   public:

@@ -7,11 +7,11 @@ namespace postlens {
 namespace {
 
 /// Two ray hits belong to different surfaces if the slope between them, relative to the film, exceeds this
-/// tangent. A sphere of 1600 px radius exceeds it only within half a pixel of its outline.
+/// tangent. A sphere of 1600 px radius exceeds it only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
-/// Combines the ray hits of one eye ray in one layer (visible or hidden), including reflections, into a
-/// surface with their total radiance. Returns false if no hit is seen directly.
+/// Combines the hits of one eye ray and its reflections, in one layer (visible or hidden), into a surface
+/// with their total radiance. Returns false if none is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -46,9 +46,8 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// For each eye ray and each of its layers (the visible surface, then the hidden ones), calls take(visible,
-/// first, last) with the layer's records [first, last). `visible` is the ray's first record of the visible
-/// layer.
+/// Calls take(visible, first, last) for each layer of each eye ray: the visible surface, then the hidden
+/// ones. [first, last) are the layer's records; `visible` is the ray's first visible record.
 /// Calls done() after each ray.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
@@ -118,8 +117,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// For each ray hit in [first, last), finds the index of its parent: the mirror or glass in which it is seen.
-/// A hit without a recorded parent gets its own index.
+/// For each ray hit in [first, last), finds the index of the mirror or glass in which it is seen (its
+/// parent). A hit without a recorded parent gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -142,9 +141,9 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and flags of each reflected or transmitted ray hit to all surfaces through which it is
-/// seen, and updates their TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so
-/// they make `strays` infinite.
+/// Adds the radiance and flags of each reflected or transmitted ray hit to the surfaces that show it, and
+/// updates TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so their `strays` is
+/// infinite.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

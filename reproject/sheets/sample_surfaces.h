@@ -60,14 +60,13 @@ struct SampleSurfaces {
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the directly seen surfaces of eye rays (`points`): layer 0 is visible from the pinhole, and layer n
-/// is the n-th surface behind it. Layers without a directly seen surface are skipped.
+/// Finds the directly seen surfaces of eye rays (`points`): layer 0 is visible from the pinhole, layer n is
+/// the n-th surface behind it. Layers that only show reflections are skipped.
 /// `points` were read from `band`, from row y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// All hits (nodes) of eye rays and their reflections and refractions. Ray i has the elements [offsets[i],
-/// offsets[i + 1]), sorted by layer from near to far, and within a layer by the sequence of reflections and
-/// transmissions.
+/// All hits of eye rays and of their reflections and refractions. Ray i has the elements [offsets[i],
+/// offsets[i + 1]), sorted by layer from near to far, then by the sequence of reflections and transmissions.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;

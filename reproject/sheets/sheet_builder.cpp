@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 /// A quadtree cell is assumed to contain an edge if the colours at its corners have a higher contrast. Only
-/// used for files that do not contain the threshold of their trace.
+/// for files that do not state the threshold of their trace.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace

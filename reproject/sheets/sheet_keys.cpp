@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// A hidden surface counts as closely behind another one if their 1/z' differ by at most this fraction.
-/// Beyond it, errors of the fitted depth planes cannot change the surfaces' order.
+/// A hidden surface lies closely behind another one if their 1/z' differ by at most this fraction. Beyond it,
+/// errors of the fitted depth planes cannot change the surfaces' order.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

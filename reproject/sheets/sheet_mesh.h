@@ -1,5 +1,5 @@
-// Groups the records of one instant into sheets. A sheet is one surface within a square of the raster; each
-// of its pixels has a quadtree of colours and a plane of depths.
+// Groups the records of one instant into sheets. A sheet is one surface within a raster square; each of its
+// pixels has a quadtree of colours and a plane of depths.
 #pragma once
 
 #include <algorithm>
@@ -184,8 +184,8 @@ struct SheetChoice {
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets (surfaces within squares of the raster) of one instant from the sample file, and passes
-/// the records to `also`. Throws Error(out_of_memory), and exceptions of the reader and of `also`.
+/// Reads the sheets (surfaces within squares of the raster) of one instant from a file, and passes the
+/// records to `also`. Throws Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
