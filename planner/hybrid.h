@@ -56,7 +56,7 @@ struct HybridResult {
 /// Makes the image. The result is bit-identical for any number of threads. Throws Error(invalid_input) if the
 /// file was not traced from `scene`, and the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// Makes an image like the function above, from a file that is not used for further images.
+/// Makes an image directly from a file. To make several images from one file, use a FocusFrame instead.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views of an image square, rays may replace all further samples of mirrors and glass. They
-/// do, because this is faster, if the records determine less than half of the tested samples.
+/// After this many views of an image square, rays replace all further samples of mirrors and glass if the
+/// records determine less than half of those so far. Rays are then faster.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {

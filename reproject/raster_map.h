@@ -56,7 +56,7 @@ class RasterMap {
 /// How far the image of a surface moves if a lens point sees it instead of the pinhole. The recorded matrix W
 /// describes this motion; a directly visible surface at depth z' has W = I / z'.
 /// With the focus distance s and the lens point `lens_px`, the image moves by `(I / s - W) lens_px +
-/// offset_px`.
+/// offset_px`. So surfaces in focus move only by `offset_px`.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

@@ -14,7 +14,8 @@ namespace postlens {
 /// A random straight edge divides a unit square. The fraction of the four corners on one side estimates the
 /// area of this side, with this mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Mean squared error of the same estimate (edge_cell_variance) for edges parallel to a side of the square.
+/// An edge parallel to a side divides a unit square. The fraction of the four corners on one side of the edge
+/// estimates the area of this side, with this mean squared error.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the

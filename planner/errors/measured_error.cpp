@@ -40,8 +40,8 @@ struct Differences {
     }
 };
 
-/// Differences between rays and the image in one pixel, per channel, in sRGB values. Two independent halves
-/// of the views (images from different lens points) give `a` and `b`.
+/// Differences between rays and the image in one pixel, per channel, in sRGB values. `a` and `b` come from
+/// two independent halves of the views (images from different lens points).
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };

@@ -15,7 +15,8 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Upper bound of each pixel's error if no rays are traced. With a crop, only the values within it are valid.
+/// Upper bound of each pixel's error if no rays are traced. With a crop, only the values within the crop are
+/// valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels

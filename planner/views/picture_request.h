@@ -15,8 +15,8 @@ namespace postlens {
 /// if there is none, or if the file was traced from another scene.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments), naming `method` or `--scene`, if an image cannot be made as a mean over
-/// lens points:
+/// Throws Error(wrong_arguments), naming `method` or `--scene`, if an image cannot be made by averaging
+/// images from single lens points:
 /// - the file is orthographic
 /// - the framing differs from that of the trace
 /// - the blur is not a mean over lens points (`diffraction`, `lens:`)

@@ -109,8 +109,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n that lie on the mirror or glass object `id`. Only there are the
-/// surfaces that are seen in it drawn.
+/// Returns a bit mask of the samples n that lie on the mirror or glass object `id`. The surfaces seen in this
+/// object are drawn only there.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;

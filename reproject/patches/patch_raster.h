@@ -106,8 +106,8 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels that show a mirror or glass in which a reflected or transmitted surface must be drawn, and the
-/// object that this mirror or glass belongs to.
+/// The pixels in which a reflected or transmitted surface must be drawn, because they show its mirror or
+/// glass.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it

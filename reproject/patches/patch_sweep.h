@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Returns the number of the group of objects that move alike to which a patch belongs. A reflected or
-/// transmitted patch moves with its mirror or glass.
+/// Returns the number of a patch's group of objects that move alike. A reflected or transmitted patch moves
+/// with its mirror or glass.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Computes rectangles that contain a patch (planar part of a surface) as seen from all lens points and at

@@ -20,8 +20,9 @@ constexpr double most_back = 0.02;
 /// px. For an ellipse, the smaller semi-axis counts.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to values that vary over a patch (part of a surface), such as inverse depth, by least squares.
-/// Each pixel adds four points, (+-1/4, +-1/4) px from its centre. The origin is the patch's corner.
+/// Fits planes, by least squares, to values that vary over a patch (part of a surface), such as inverse
+/// depth. Each pixel adds four points, (+-1/4, +-1/4) px from its centre. Positions are relative to the
+/// patch's corner.
 template <std::size_t values>
 class Fit {
   public:

@@ -18,7 +18,7 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
 }
 
 /// Returns whether the records determine the directly visible surface in pixel `k`: no edge crosses its
-/// quadtree cell, and no nearer surface may hide it. `u` (0 or 1) is the recorded instant.
+/// quadtree cell, and no nearer surface may hide it. `u` (0 or 1): index of the recorded instant.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -1,5 +1,4 @@
-// Divides the undivided cells (leaves) of the quadtrees in a raster square into pieces that each show one
-// surface.
+// Divides the quadtree cells in a raster square into pieces that each show one surface.
 #pragma once
 
 #include <array>

@@ -142,8 +142,8 @@ float departure(const Mat2& a, const Mat2& b) {
 }
 
 /// Adds the radiance and flags of each reflected or transmitted ray hit to the surfaces that show it, and
-/// updates TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so their `strays` is
-/// infinite.
+/// updates their TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so they set
+/// `strays` to infinity.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

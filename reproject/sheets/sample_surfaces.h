@@ -77,8 +77,8 @@ struct SampleTrees {
 /// Surfaces seen directly go to `primary`, reflected and transmitted ones to `deeper`. `points` were read
 /// from `band`, from row y_begin on.
 ///
-/// A layer without a directly seen surface shows surfaces that are hidden within a reflection or refraction
-/// of layer 0. They are used only if the mirror or glass is recorded. Surfaces brighter than `bright_above`
+/// A layer without a directly seen surface contains surfaces that are hidden within a reflection or
+/// refraction. They are used only if the mirror or glass is recorded. Surfaces brighter than `bright_above`
 /// in any channel are never drawn as part of their mirror or glass (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);

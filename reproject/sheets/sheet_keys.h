@@ -1,5 +1,5 @@
-// Numbers the distinct surfaces to which recorded ray hits belong. A surface is identified by its object and
-// the sequence of reflections and transmissions that shows it.
+// Assigns numbers to the surfaces that the recorded rays hit. A surface is identified by its object and the
+// sequence of reflections and transmissions that shows it.
 #pragma once
 
 #include <cstdint>
