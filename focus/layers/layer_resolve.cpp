@@ -8,11 +8,12 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Sum of weights of a reflection or refraction at a pixel, below which Chain::stand_in is blended in. It is
-/// the same radiance, blurred like the mirror or glass.
+/// A mirror image that reaches a pixel with less weight than this (1 fills the pixel) has too few samples.
+/// Its radiance, blurred like the mirror instead, is blended in.
 constexpr double enough_weight = 0.05;
 
-/// The light of a path (sequence of reflections and transmissions) at a pixel.
+/// Light that arrives at one pixel after one sequence of reflections and transmissions, for example by a
+/// mirror.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -27,8 +28,8 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to the surface that shows it.
-/// `mask` is the part of the surface that shows the path.
+/// Adds the light that a surface reflects or transmits to its own light at a pixel. `mask` is the blurred
+/// area in which the surface shows that light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -39,7 +40,7 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
-/// Adds the radiance of a path, for example a mirror image, to the light of the surface with the key `shown`.
+/// Adds a mirror image, or what is seen through glass (`chain`), to the surface that shows it (`shown`).
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -48,9 +49,8 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Computes the light of one surface at a pixel. Returns nothing if there is none.
-/// - `seen`: sums over the records that the pinhole sees, or null
-/// - `hidden`: sums over all other records, or null
+/// Combines the blurred samples of one surface at a pixel: those visible from the pinhole (`seen`) and those
+/// hidden from it (`hidden`). Either may be null. Returns nothing if there is no light.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -59,8 +59,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Computes the light of all surfaces seen along one path (sequence of reflections and transmissions),
-/// including its continuations in `longer`. Returns the sum of the weights of `terms`.
+/// Collects the surfaces that are seen in one mirror, or through one glass, at a pixel. Their own reflections
+/// are in `longer`. Returns the sum of their blur weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();

@@ -1,5 +1,5 @@
-// Computes the light of one surface at one pixel: its own radiance, and the light that it reflects and
-// transmits.
+// Computes the light of one blurred surface at one pixel: its own radiance, and the light that it reflects
+// and transmits.
 #pragma once
 
 #include <array>
@@ -11,8 +11,7 @@
 
 namespace postlens {
 
-/// The sums at one pixel of all splats (impulse responses) of one LayerPart: a surface, or what it reflects
-/// or transmits along one path.
+/// Blurred light of one surface, or of one mirror image on it, summed at one pixel.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};
@@ -25,12 +24,12 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes the light of a surface at a pixel: its own light, and the light of each path (sequence of
-/// reflections and transmissions). `terms` must be in the order of LayerPart. Returns nothing if no light of
-/// the surface itself reaches the pixel.
+/// Computes a surface's light at a pixel from its blurred samples, including mirror images and what is seen
+/// through it. Returns nothing if the blurred surface does not reach the pixel. `terms` must be sorted by
+/// LayerPart.
 ///
-/// A mask is the share of a surface that shows a path. It is blurred like the surface, so that the outline of
-/// a mirror does not get the blur of its reflection.
+/// A mirror image is limited to its mirror by a mask that is blurred like the mirror. Otherwise, the mirror's
+/// outline would be blurred like the image in it.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

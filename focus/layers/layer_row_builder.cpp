@@ -7,10 +7,11 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed at multiples of a quarter or whole pixel, to share
-/// kernels. Blurred edges do not change visibly.
+/// From these CoC radii on, in px, blur discs are centred only on multiples of a quarter pixel or of a whole
+/// pixel. More samples then share a kernel, without visible change.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii, in px, for which NodeResponses::phases chooses steps of a quarter pixel and of a whole pixel.
+/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel or a whole pixel.
+/// They are passed to it instead of the true radius.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -78,8 +79,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges splats of a pixel that have the same LayerPart (group of splats) and kernel. The hash table uses the
-// kernel's key, because its number depends on the timing of threads.
+// Adds a sample with its blur kernel to the row. The hash depends on the kernel's shape, not on the kernel's
+// number, which depends on the timing of threads.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -135,8 +136,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// What is seen through the far side of a glass object is blurred with the kernel of the near side. The far
-// side has no outline, and its kernel could be far too large.
+// The far side of a glass object has no visible outline, and its own blur kernel could be far too large. So
+// the kernel of the near side is used.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -207,7 +208,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds records that are hidden behind objects in a mirror or behind glass. `surface` is the mirror or glass.
+// Adds surface points in a mirror or behind glass that nearer objects hide from the pinhole, but not from the
+// whole lens. `surface` is the mirror or glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -1,4 +1,5 @@
-// Builds the splats (impulse responses of samples) of one row of a sample file.
+// Converts one row of samples to splats, i.e. samples with the blur kernels with which they are added to the
+// image.
 #pragma once
 
 #include <array>
@@ -18,7 +19,8 @@
 
 namespace postlens {
 
-/// Builds the splats of one row of pixel corners at a time. Several threads may build different rows.
+/// Builds the splats (samples with their blur kernels) of one row of pixel corners at a time. Each thread
+/// needs its own builder.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}

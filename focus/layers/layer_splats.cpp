@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, in px. If no splat of a tile reaches a block of the image, all are skipped at once.
+/// Width, in px, of the squares in which samples are grouped. If no blur kernel of a group reaches a block of
+/// the image, the whole group is skipped.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -118,8 +119,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by LayerPart (group of splats) and tile, in a stable order. Then appends the runs
-// (splats of one part in one tile) to `runs`.
+// Sorts the blurred samples of a row by surface, then by square of 64 x 64 px. Appends each group of samples
+// with the same surface and square to `runs`.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -163,7 +164,7 @@ void LayerSplats::find_reach(LayerCell& cell) const {
     }
 }
 
-// Finds the cells of a row of tiles, and their runs (splats of one cell in one row).
+// Groups samples of the same surface in the same square of 64 x 64 px, for one row of squares.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<PlacedRun>> by_row(last_row - first_row);

@@ -1,4 +1,4 @@
-// Builds splats (impulse responses of records), grouped by surface, for the method `layers`.
+// Converts samples to splats (samples with their blur kernels), grouped by surface, for the method `layers`.
 #pragma once
 
 #include <array>
@@ -21,9 +21,9 @@
 
 namespace postlens {
 
-/// Identifies a surface. A ray may hit several surfaces of one object.
+/// Identifies a surface that an eye ray hits. The ray may hit several surfaces of one object.
 /// - `id`: number of the object
-/// - `before`: number of its surfaces in front of this one
+/// - `before`: number of the same object's surfaces in front of this one
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -31,8 +31,8 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies a group of splats that are summed together: those of a surface, or of what it reflects or
-/// transmits along one path. Sorted by surface, then by path.
+/// Identifies samples that are blurred and summed together: those of one surface, or of one reflection or
+/// refraction in it. Sorted by surface, then by path.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -51,7 +51,7 @@ struct LayerPart {
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// The impulse response of one record of a point sample.
+/// A sample to be blurred: its colour, weight and depth, and the number of its blur kernel.
 /// - `r`, `g`, `b`, `weight`: multiplied by the sample's weight
 /// - `depth`: `weight` times the inverse depth 1/z'
 struct LayerSplat {
@@ -66,14 +66,15 @@ struct LayerSplat {
     float covered = 0;
 };
 
-/// The splats of one LayerPart (group of splats) in one row of a tile: the elements [begin, end) of the row's
-/// splats. A tile has 64 x 64 px.
+/// Samples of one surface in one row of a square of 64 x 64 px: the elements [begin, end) of the row's
+/// samples.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
 };
 
-/// The splats of one LayerPart (group of splats) in one tile of 64 x 64 raster px.
+/// All samples of one surface in one square of 64 x 64 px. They are skipped together where their blur does
+/// not reach.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -89,7 +90,8 @@ struct RadianceRange {
     void include(const RadianceRange& other);
 };
 
-/// The splats of an image, grouped by surface. Add each row once, in any order, and then call finish().
+/// The samples of an image with their blur kernels, grouped by surface. Add each row once, in any order, and
+/// then call finish().
 class LayerSplats {
   public:
     /// The arguments are those of SplatTables.

@@ -11,13 +11,13 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double EightDoubles __attribute__((vector_size(64)));
-/// Unaligned types for loading and storing values. Variables have the types FourDoubles and EightDoubles,
-/// because the compiler keeps only these in registers.
+/// Vector types for loads and stores at unaligned addresses. Variables have the types FourDoubles and
+/// EightDoubles, because the compiler keeps only these in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The values of one splat that are multiplied by the kernel and added to a pixel.
+/// The eight values of a sample that are multiplied by its blur kernel and added to pixels.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -43,7 +43,8 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and those for lens moments (sums of light times lens point).
+/// The values of a sample that are blurred, including those that show through which side of the lens its
+/// light passes.
 struct LensValues {
     static constexpr std::size_t count = LayerSums::lens_values;
     PlainValues plain;
@@ -79,12 +80,12 @@ struct LayerPass {
 
 /// Largest number of splats that one call of add_run adds.
 constexpr std::size_t longest_run = 64;
-/// Number of zeros before and after the values of a run, with which short kernel rows need no special case at
-/// the run's ends.
+/// Number of zeros before and after a row of samples in memory. With them, convolution with a short kernel
+/// row needs no test for the ends of the samples.
 constexpr std::size_t padding = 4;
 
-/// Returns how many of the first splats one call of add_run can add. They must have the same kernel (of the
-/// extent `reach`), adjacent anchors, and reach the pixels `rows`.
+/// Returns how many of the first samples can be blurred by one convolution: neighbours in a row with the same
+/// kernel. Returns 0 if the kernel does not reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -98,8 +99,8 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Adds to each of `count` pixels the sum over all taps of values[pixel - tap] times taps[tap]. The number of
-/// taps is a template argument: a loop over the usual two to four taps takes longer than the sums.
+/// Convolves a row of values with a short kernel row (`taps`). The kernel's length is a template argument: a
+/// loop over the usual two to four taps takes longer than the sums.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, double y,
                                                         int count, double* pixels) {
@@ -110,8 +111,8 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
     }
 }
 
-/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. Its first value belongs
-/// to the pixel `first`. At least `padding` zeros precede and follow `values` in memory.
+/// Convolves `values` with `taps`, for example a kernel row, and adds the result to the pixels [begin, end)
+/// of a row. values[0] belongs to the pixel `first`; `padding` zeros lie before and after `values` in memory.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
@@ -145,7 +146,7 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Sets `taps` to the differences between neighbouring kernel values on one side of the uniform interior:
+/// Computes the steps between neighbouring values at one end of a kernel row, outside its uniform interior:
 /// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
@@ -158,10 +159,10 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
     taps.back() = after - before;
 }
 
-/// Adds adjacent splats that share a kernel to one row of the block.
-/// - `x`, `y`: position of the first splat in the block
+/// Blurs adjacent samples that share a kernel, and adds them to one row of pixels.
+/// - `x`, `y`: position of the first sample in the block of pixels
 /// - `sums`: values of the pixels
-/// - `changes`: differences between neighbouring pixels
+/// - `changes`: differences to the pixel on the left, for the kernel's uniform interior
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,
@@ -190,7 +191,7 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
     convolve<Values>(values, taps, x + row.inner_end, y, from, width, changes);
 }
 
-/// Adds a single splat to one row of the block. The arguments are those of add_run.
+/// Blurs a single sample, and adds it to one row of pixels. The arguments are those of add_run.
 template <typename Values>
 __attribute__((always_inline)) inline void add_one(const Values& values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,
@@ -264,8 +265,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds the prefix sums of `changes` (differences between neighbouring pixels of a row) to `sums`. Each of
-/// the `width` pixels has `numbers` values.
+/// Adds the running sums of `changes`, the differences between neighbouring pixels of a row, to `sums`. Each
+/// of the `width` pixels has `numbers` values.
 template <std::size_t numbers>
 __attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

@@ -1,4 +1,4 @@
-// Sums the splats (impulse responses) of one LayerPart, for example a surface, over a block of pixels.
+// Sums the blurred samples of one surface, or of one mirror image, over a block of pixels.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,11 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth, each multiplied by the kernel, for each pixel of a block.
+/// Sums over the blurred samples of one surface, for each pixel of a block: colour, weight and depth, each
+/// multiplied by the blur kernel.
 ///
-/// The uniform interior of a kernel row is stored as differences between pixels. A splat thus costs the
-/// length of its kernel's outline.
+/// The uniform interior of a kernel is stored as differences between neighbouring pixels. The time per sample
+/// is therefore proportional to the length of the kernel's outline.
 class LayerSums {
   public:
     /// Number of values per pixel: 8, or 12 if it matters through which side of the lens light passes. Eight

@@ -13,15 +13,16 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, in px. The sums of a block, up to 192 B per pixel, fit into the L2 cache.
+/// Width, in px, of the blocks of the image that threads compute. The sums of a block, up to 192 B per pixel,
+/// fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments (surfaces at a pixel) in memory at a time, at about 200 B each. Blocks with
-/// more fragments are divided into groups of rows.
+/// Largest number of fragments (one surface at one pixel) in memory at a time, at about 200 B each. Blocks
+/// with more fragments are computed in groups of rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. If each channel has its own
-/// kernels, only `channel` is stored.
+/// Composites the surfaces at the pixel (x, y) by depth and stores the colour in `out`. If each colour
+/// channel has its own blur kernels, only `channel` is stored.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
@@ -45,13 +46,13 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether a part needs lens moments, which state through which side of the lens light passes. Only
-/// the surface itself needs them, because only it is composited by depth.
+/// Returns whether it matters through which side of the lens light passes. It does for surfaces, which are
+/// composited by depth, but not for mirror images in them.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// A block of the image, and the ascending indices of the cells (groups of neighbouring splats) that reach
+/// A block of the image, and the ascending indices of the groups of samples (LayerCell) whose blur reaches
 /// it.
 struct Block {
     RasterWindow window;
@@ -82,8 +83,8 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// The cells (groups of neighbouring splats) of one part that reach a block: a range [begin, end) of
-/// Block::cells.
+/// The samples of one surface, or of one mirror image, whose blur reaches a block of pixels. [begin, end) is
+/// a range of Block::cells.
 struct PartCells {
     const LayerPart* part;
     std::size_t begin, end;
@@ -105,7 +106,7 @@ void find_parts(const LayerSplats& splats, const Block& block, std::vector<PartC
     }
 }
 
-/// Computes blocks one after another, in one thread. It reuses its buffers.
+/// Computes blocks of the image one after another, in one thread. It reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
@@ -209,8 +210,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Returns whether a surface may overlap another one in the block. Only then are lens moments needed, which
-// state through which side of the lens light passes.
+// Returns whether another surface may overlap this one in the block of pixels. Only then does it matter
+// through which side of the lens light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;
@@ -286,7 +287,8 @@ double layer_sums(const LayerSplats& splats) {
 
 namespace {
 
-/// The sums of the splats of one part, for every pixel of the image. LayerTerm::part is not set.
+/// Blurred light of one surface, or of one mirror image, for every pixel of the image. LayerTerm::part is not
+/// set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -13,8 +13,8 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q. `tilt` is
-/// the mean of S(q) q. The factor 4 is due to the variance 1/4 of q.
+/// A transmittance or coverage as a linear function of the lens point q, in lens radii: mean + 4 tilt . q.
+/// `tilt` is the mean of the function times q, and 4 is the inverse variance of q.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -35,7 +35,7 @@ struct OverLens {
     }
 };
 
-/// A surface that has been composited. It lies in front of all following surfaces.
+/// A surface at a pixel that has already been composited. It lies in front of all following surfaces.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -77,8 +77,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// The part of a surface's light that surfaces in front do not hide. Colour and alpha are attenuated
-/// separately, with their own lens moments.
+/// Light of a surface that passes the surfaces in front. Colour and alpha are attenuated separately, because
+/// they may pass through different sides of the lens.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -98,8 +98,8 @@ struct Arrived {
     }
 };
 
-/// Returns the coverage by surfaces that move together with the given surface when the lens point moves.
-/// `radius_px` is the signed CoC radius of the given surface.
+/// Returns the coverage by surfaces in front that shift about as far as the given surface when the lens point
+/// moves. `radius_px` is the given surface's signed CoC radius.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     // Searches from the nearest surface in front towards the lens. In front of a surface that moves
