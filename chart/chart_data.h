@@ -1,4 +1,4 @@
-// Stores a chart's measurements and converts them to JSON, CSV and Markdown.
+// Stores the measurements of a chart of speed against accuracy, and converts them to JSON, CSV and Markdown.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Error of an image against the reference. With two references, the noise of the reference is subtracted.
-/// Unknown values are NaN.
+/// Error of an image against the reference. The noise of the reference is subtracted if there are two
+/// references. Unknown values are NaN.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
@@ -31,7 +31,7 @@ struct ChartFigures {
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file that methods read, and its tracing time in seconds.
+/// A sample file from which the methods of a chart make images, and its tracing time in seconds.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -95,7 +95,8 @@ struct ChartData {
 /// Inverse of to_json. Throws Error(invalid_input), whose message names the file `path`.
 [[nodiscard]] ChartData chart_from_json(const std::string& text, const std::filesystem::path& path);
 
-/// Returns CSV with one row per point: settings, seconds (median, least, greatest) and errors.
+/// Returns a chart as CSV with one row per measurement: settings, seconds (median, least, greatest) and
+/// errors.
 [[nodiscard]] std::string chart_csv(const ChartData& data);
 /// Returns a Markdown table with the columns of chart_csv.
 [[nodiscard]] std::string chart_markdown(const ChartData& data);

@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// Returns HTML with embedded images: plots, the table, the machine, and each point's image and error map.
+/// Returns a chart as an HTML page with embedded images: plots, the table, the machine, and each measured
+/// image with its error map.
 ///
 /// `folder` is the output folder of run_chart. Throws Error(invalid_input) if an image there cannot be read.
 [[nodiscard]] std::string chart_page(const ChartData& data, const std::filesystem::path& folder);

@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden surfaces, and one with pixels subdivided once. They
-// show what hidden surfaces and subdivision contribute.
+// Plans three sample files: with the best settings, without hidden surfaces, and with pixels subdivided only
+// once. Their errors show what hidden surfaces and subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -76,7 +76,7 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
-// Checks the lens before the trace does, so that messages name the options of `chart`.
+// Checks the lens before the scene is traced, so that error messages name the options of the command `chart`.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

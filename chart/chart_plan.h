@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart. The scene provides what the request leaves out.
+/// Lens, shutter and camera of a chart. Values that the request does not contain come from the scene.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
@@ -47,17 +47,18 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Throws Error(wrong_arguments) if the lens is not defined, or if nothing blurs (infinite f-number and no
-/// shutter).
+/// Returns lens, shutter and camera of a chart. Throws Error(wrong_arguments) if the lens is not defined, or
+/// if nothing blurs (infinite f-number and no shutter).
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Returns settings of a trace that records every surface visible from the lens while the shutter is open.
+/// Returns settings for a sample file that contains every surface visible from the lens while the shutter is
+/// open.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings of distributed ray tracing. The caller must set the samples per pixel (`spp`), the seed
-/// and `halves`.
+/// Returns settings of distributed ray tracing for the scene, lens and shutter of a chart. The caller must
+/// set the samples per pixel (`spp`), the seed and `halves`.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

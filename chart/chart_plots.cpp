@@ -24,7 +24,8 @@ struct Range {
     }
 };
 
-// Colours by Okabe and Ito, which colour-blind readers can distinguish. Marks differ in shape, for greyscale.
+// How a method is drawn in plots. Colour-blind readers can distinguish the colours by Okabe and Ito. Marks
+// differ in shape, for greyscale.
 struct Style {
     const char* colour;
     int mark, dash;
@@ -63,7 +64,7 @@ bool is_drawn(const ChartPoint& p, bool affected) {
     return p.figures && std::isfinite(error_of(p, affected).psnr_db) && p.median_s() > 0;
 }
 
-// Returns the ticks of the error axis: RMS errors, labelled with the PSNR in dB.
+// Returns gnuplot's tick marks for an axis of RMS errors, labelled with the PSNR in dB.
 std::string decibel_tics(const Range& y) {
     std::string out;
     for (int db = 0; db <= 120; db += 5) {

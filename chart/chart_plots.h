@@ -1,4 +1,5 @@
-// The plots of a chart: error against the time of one image, and against the cost per image.
+// The plots of a chart: error against the time of one image, and against the cost per image if several images
+// share a trace.
 #pragma once
 
 #include <string>
@@ -7,14 +8,14 @@
 
 namespace postlens {
 
-/// Returns a gnuplot script that plots each method's error against the seconds of one image, without the
-/// trace. It includes the Pareto frontier and the noise floor.
+/// Returns a gnuplot script that plots each method's error against the seconds of one image, without the time
+/// of tracing. The plot includes the Pareto frontier and the noise floor.
 ///
 /// With `affected`, it shows the errors of the pixels that blur affects.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share a
-/// trace, beside that of ray tracing.
+/// Returns a gnuplot script that plots error against cost per image if 1, 10 or 100 images share a trace. The
+/// cost of ray tracing is shown for comparison.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

@@ -53,7 +53,8 @@ struct ChartRequest {
     Join join = Join::no;  ///< if not `no`, no point is measured
 };
 
-/// Throws Error(wrong_arguments) if a number is out of range, or for a second reference without a first.
+/// Throws Error(wrong_arguments) if a number in the request is out of range, or if a second reference is
+/// given without a first.
 void check_chart_request(const ChartRequest& request);
 
 }  // namespace postlens

@@ -67,8 +67,8 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points to measure (all, or every N-th for a share), and their traces. The first trace is
-/// always included, because it gives the pinhole image.
+/// Returns the points (methods with settings) to measure, and the traces that they need. A share measures
+/// every N-th point. The first trace is always included, because it gives the pinhole image.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;

@@ -1,4 +1,4 @@
-// Measures the points of a chart's plan in rounds. An interrupted run resumes.
+// Measures the methods and settings of a chart in rounds. An interrupted run resumes.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +15,15 @@ struct ChartRun {
     std::vector<std::string> missing;  ///< with Join::partial: names of points that are left out
 };
 
-/// Measures a chart into `folder`, which is created if its parent exists. Earlier results of the same request
-/// are kept. Another request's chart is an error unless `restart` is set.
+/// Measures a chart and stores it in `folder`, which is created if its parent exists. Earlier results of the
+/// same request are kept. If the folder contains another request's chart, `restart` must be set.
 ///
-/// Throws Error(interrupted); finished points remain. Also throws Error(wrong_arguments),
+/// Throws Error(interrupted); finished measurements remain. Also throws Error(wrong_arguments),
 /// Error(invalid_input), Error(cannot_write) and Error(out_of_memory).
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 
-/// Returns a file name for a point, made of letters, digits, '-', '_' and '.'.
+/// Returns a file name for a measured point of a chart, made of letters, digits, '-', '_' and '.'.
 [[nodiscard]] std::string point_file_name(const std::string& name);
 
 }  // namespace postlens

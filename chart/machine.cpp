@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-// Returns the value of the first line "key   : value" of a file such as /proc/cpuinfo, or nothing.
+// Returns the value of the first line of the form "key   : value" in a file such as /proc/cpuinfo, or
+// nothing.
 std::string first_value(const char* path, const std::string& key) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {

@@ -11,14 +11,14 @@ struct CostError {
     double seconds = 0, error = 0;  ///< both positive
 };
 
-/// Returns the indices of the Pareto-optimal points, by rising seconds. No other point is better in one value
-/// without being worse in the other.
+/// Returns the indices of the Pareto-optimal points (seconds and error), by rising seconds. No other point is
+/// better in one value without being worse in the other.
 ///
 /// Points that are not finite are omitted. Of equal points, the first is returned.
 [[nodiscard]] std::vector<std::size_t> pareto_frontier(const std::vector<CostError>& points);
 
-/// Returns the seconds at which a curve reaches `error`. The curve's Pareto frontier is interpolated linearly
-/// in logarithms. Empty outside its range.
+/// Returns the seconds at which a curve of error over seconds reaches `error`. The curve's Pareto frontier is
+/// interpolated linearly in logarithms. Returns nothing outside its range.
 [[nodiscard]] std::optional<double> seconds_for_error(const std::vector<CostError>& curve, double error);
 
 }  // namespace postlens

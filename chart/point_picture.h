@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Makes the images of a chart's points. `retraced` receives the fraction computed by rays, and `warnings`
-/// the codes of warnings.
+/// Makes the images that a chart compares. `retraced` receives the fraction of an image that is computed by
+/// rays, and `warnings` the codes of warnings.
 class PointPictures {
   public:
     /// Keeps references to all arguments.

@@ -12,7 +12,8 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes a case's sample file. Absent settings keep the values of `for_view`.
+/// Settings with which the sample file of an atlas case is traced. Absent settings have the values that
+/// follow from `for_view`.
 struct AtlasTrace {
     /// Records all surfaces that the lens and shutter need (best_trace). If false, the scene is traced with
     /// default settings.
@@ -28,7 +29,7 @@ struct AtlasTrace {
     [[nodiscard]] bool operator==(const AtlasTrace&) const = default;
 };
 
-/// A method under test, its settings, and the limits for its error.
+/// A method that is tested on an atlas case, its settings, and the limits for its error.
 struct AtlasMethod {
     /// Name of the method.
     /// - For a lens: pinhole, scatter, layers, lightfield, hybrid.
@@ -67,14 +68,15 @@ struct AtlasCase {
 struct AtlasCause {
     std::string word, meaning;
 };
-/// Returns the causes of error, in the order of docs/failures.md. The last, "none", is for cases without an
-/// expected error.
+/// Returns the causes of error that atlas cases may name, in the order of docs/failures.md. The last, "none",
+/// is for cases without an expected error.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".
 [[nodiscard]] AtlasCase read_atlas_case(const std::filesystem::path& path);
 
-/// Returns the cases (*.toml) in a folder, sorted by name. Throws Error(invalid_input) if there are none.
+/// Returns the files (*.toml) of the atlas cases in a folder, sorted by name. Throws Error(invalid_input) if
+/// there are none.
 [[nodiscard]] std::vector<std::filesystem::path> atlas_case_files(const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -64,8 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of a case: the method, its remedy (a correct method) if any, the pinhole image, and
-/// the reference's noise.
+/// Returns the table rows of an atlas case: the tested method, its remedy (a correct method) if any, the
+/// pinhole image, and the noise of the reference.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {
@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns a case's caption: scene, camera, the share of blurred pixels, and the share of the error with the
-/// expected cause.
+/// Returns the caption of an atlas case: scene, camera, the percentage of pixels that the blur changes, and
+/// the share of the error that is due to the expected cause.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("Scene {}. {:.0f} % of the pixels differ from the pinhole image.",
                                   view_text(e.what.view), 100 * e.result.affected_share);

@@ -8,11 +8,12 @@
 
 namespace postlens {
 
-/// Returns the atlas as Markdown: the introduction, a table of all cases, and the cases grouped by cause.
+/// Returns the atlas as Markdown: the introduction, a table of all cases, and the cases grouped by cause of
+/// error.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// Returns the content of atlas_markdown as one HTML page with embedded images. `folder` is the output folder
-/// of run_atlas. Throws Error(invalid_input) if an image cannot be read.
+/// Returns the atlas as one HTML page with embedded images, otherwise like atlas_markdown. `folder` is the
+/// output folder of run_atlas. Throws Error(invalid_input) if an image cannot be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -19,8 +19,8 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method` from the sample file `file`, which `rays` does not read. Temporary files are
-/// written beside it. Throws Error.
+/// Makes the image of `method` from the sample file `file`, which is not read for the method "rays".
+/// Temporary files are written beside `file`. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

@@ -33,18 +33,19 @@ struct AtlasResult {
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
 
-/// Returns a digest of what determines a case's result: scene, view, methods and program version.
+/// Returns a digest of everything that determines an atlas case's result: scene, view, methods and program
+/// version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one case. Temporary files are written to `folder`, which must exist. Throws Error.
+/// Runs one atlas case. Temporary files are written to `folder`, which must exist. Throws Error.
 ///
-/// Unless `strip` is empty, it receives the images side by side: method, remedy (a correct method),
-/// reference, and the method's error map.
+/// Unless `strip` is empty, a picture with the images side by side is written there: method, remedy (a
+/// correct method), reference, and the method's error map.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// Returns one line for each expectation that the result does not meet: error, energy, negative or nonfinite
-/// values, warnings, and cause.
+/// Returns one line for each expectation of an atlas case that its result does not meet: error, energy,
+/// negative or nonfinite values, warnings, and cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);

@@ -8,21 +8,21 @@
 
 namespace postlens {
 
-/// First moment over the lens: the sum of light times the lens point through which it passed. Lens points are
-/// in lens radii, along the axes of the raster.
+/// Sum of light times the lens point through which it passes, in lens radii along the axes of the image. It
+/// shows on which side of the lens the light is concentrated.
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Lens moments of a surface's light. The colour channels share one: over the lens, the brightness of a
-/// surface changes more than its hue.
+/// Show on which side of the lens a surface's light is concentrated. The colour channels share one moment,
+/// because brightness varies more over the lens than hue.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
 };
 
-/// Light of a surface at a pixel, without occlusion.
-/// - `alpha`: share of the pixel that the surface covers, mean over the lens
+/// Light of a blurred surface at a pixel, as if nothing were in front.
+/// - `alpha`: fraction of the pixel that the surface covers, averaged over the lens
 /// - `rgb`: colour times alpha
 struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
@@ -36,26 +36,26 @@ struct SurfaceLight {
     }
 };
 
-/// A surface at a pixel, divided into the part that the pinhole sees and the hidden part.
+/// A blurred surface at a pixel, divided into its points that the pinhole sees and its points that are hidden
+/// from the pinhole.
 struct Fragment {
     double inverse_depth_per_m = 0;  ///< mean 1/z'
     SurfaceLight seen, hidden;
     double covered = 0;  ///< part of hidden.alpha that no lens point sees, because its occluder moves with it
 };
 
-/// Returns how independently two surfaces move when the lens point moves, from 0 to 1. For the signed CoC
-/// radii r1 and r2, in px, it is:
+/// Returns how independently two surfaces shift when the lens point moves, from 0 (together) to 1. For their
+/// signed CoC radii r1 and r2, in px, it is:
 ///
 ///     min(1, |r1 - r2| / (max(|r1|, |r2|) + 1))
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// Composites the fragments (surfaces) of a pixel with "over" [porter1984] at each lens point, and divides by
-/// their total coverage. Sorts them by depth. All must have positive alpha. Without fragments the result is
-/// black.
+/// Composites the surfaces of a pixel with "over" [porter1984], and divides by their total coverage. Sorts
+/// them by depth. All must have positive alpha. Without surfaces the result is black.
 ///
 /// A blurred edge that covers one side of the lens attenuates only light through that side. Surfaces with the
-/// same circle of confusion move together over the lens, and do not attenuate each other's visible parts (see
-/// independence).
+/// same circle of confusion shift together over the lens, and do not attenuate each other's visible parts
+/// (see independence).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// The depth levels of [potmesil1981]: impulse responses are computed only for these depths.
+// Depth levels [potmesil1981]. Blur kernels are computed only for these depths, and each sample uses that of
+// the nearest level.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,7 @@ enum class DepthModel {
     first_hit,          ///< z' of the primary node, for all nodes of its sample
 };
 
-/// The range of finite z' in a file. Both values are absent if nothing was hit.
+/// Smallest and largest finite depth z' in a file, in m. Both values are absent if no ray hit anything.
 struct DepthRange {
     std::optional<double> nearest_m, farthest_m;
 };
@@ -32,10 +33,10 @@ struct DepthRange {
 /// Returns the largest CoC diameter in the range, in px.
 [[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
-/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth.
+/// The depths for which blur kernels are computed. A sample uses the kernel of the nearest of these levels.
 ///
-/// A given number K of levels means K equal steps over the finite depths z', and one level for infinity
-/// [potmesil1981]. Otherwise:
+/// If the number K of levels is given, they have equal steps over the finite depths [potmesil1981], of z' or
+/// of 1/z', and one more level is at infinity. Otherwise:
 /// - inverse spacing: the levels of LevelTable, around the focus, where samples are exactly sharp
 /// - linear spacing: enough levels to round the CoC to half a pixel, but at most `most_linear_levels`
 class DepthLevels {

@@ -11,15 +11,15 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// Largest extent of a kernel beyond the edge of the geometric CoC, in px. Energy farther out is cut off,
-/// even if it exceeds `tail`.
+/// Diffraction spreads light beyond the geometric CoC. A kernel ends this far outside the edge of the CoC, in
+/// px, even if it loses more energy than `tail`.
 constexpr double widest_skirt_px = 256;
-/// CoC radius, in px, from which a uniform disc replaces the diffracted response. Its fringes are finer than
-/// a pixel there.
+/// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
+/// then finer than a pixel.
 constexpr double disc_from_px = 2048;
 
-/// Returns the CoC radius, in px. In a mirror or through glass, the CoC may be an ellipse; a disc of its mean
-/// radius replaces it.
+/// Returns the CoC radius, in px, where `map_px` converts lens points to px. In curved mirrors and glass, the
+/// CoC may be an ellipse; a disc of its mean radius replaces it.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

@@ -14,14 +14,14 @@
 namespace postlens {
 namespace {
 
-/// Smallest length, in px, of a kernel row's interior that is stored as one uniform value. Storing shorter
-/// ones as single values (taps) is as fast.
+/// Shortest uniform interior of a kernel row, in px, that is stored as one value. Shorter interiors are
+/// stored pixel by pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Radius, in px, of the disc that replaces an ellipse of rounded size 0. Its kernel equals that of a point.
+/// Radius, in px, of the disc that replaces a blur ellipse whose size is rounded to 0. Its kernel equals that
+/// of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
-/// Converts a length to a number of steps of `step_px`, rounded to the nearest integer.
 std::int32_t steps(double px, double step_px) {
     const double exact = px / step_px;
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));

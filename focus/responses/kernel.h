@@ -1,4 +1,5 @@
-// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table of them.
+// Blur kernels (impulse responses on the pixel grid), in a form that is fast to add to an image, and a table
+// of them.
 #pragma once
 
 #include <array>
@@ -19,21 +20,23 @@
 
 namespace postlens {
 
-/// One row of a kernel, the columns [x_begin, x_end) relative to its anchor (integer raster position). The
-/// interior has the value Kernel::inner. Every other pixel has its own value, called a tap.
+/// One row of a blur kernel: the columns [x_begin, x_end), relative to the position where the kernel is
+/// placed. The columns [inner_begin, inner_end) have the value Kernel::inner; each other column has its own
+/// value (tap).
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px relative to its anchor (integer raster
-/// position). They contain the whole image for any anchor.
+/// Largest extent of kernels: the columns [-x, x) and rows [-y, y) around a sample, in px. They contain the
+/// whole image, wherever the sample lies.
 struct KernelReach {
     int x = 0, y = 0;
 };
 
-/// An impulse response on the pixel grid. Its values add up to 1 unless `KernelReach` clips it.
+/// A blur kernel: the impulse response of the lens on the pixel grid. Its values add up to 1 unless
+/// `KernelReach` clips it.
 struct Kernel {
     int y_begin = 0;  ///< row of rows.front(), relative to the anchor
     float inner = 0;
@@ -51,18 +54,18 @@ struct Kernel {
     }
 };
 
-/// Builds the kernel of an ellipse, clipped to `reach`. The centre is (phase_x, phase_y) px from the anchor
-/// (integer raster position of a splat).
+/// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
+/// phase_y) px from the integer raster position where the kernel is placed.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Build a kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values. Both are
-/// relative to the anchor.
+/// Build a blur kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values.
+/// Coordinates are relative to the position where the kernel is placed.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
 class ResponseModel;
 struct ResponseRequest;
 
-/// Identifies a kernel: the shape of the impulse response and the subpixel position of its centre.
+/// Identifies a blur kernel in the table of kernels: its shape, and the subpixel position of its centre.
 struct KernelKey {
     /// The centres of blur kernels are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
@@ -120,15 +123,15 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end), relative to its
-/// anchor (integer raster position).
+/// The pixels that a blur kernel covers: rows [dy_begin, dy_end) and columns [dx_begin, dx_end), relative to
+/// the position where the kernel is placed.
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
 };
 
-/// Table of kernels (impulse responses on the pixel grid). First, any thread may request their numbers with
-/// `number_of`. Then `build` builds the kernels. Only the numbers depend on the timing of threads.
+/// Table of blur kernels. First, any thread may request the numbers of kernels with `number_of`. Then `build`
+/// computes the kernels. Only the numbers depend on the timing of threads.
 class KernelTable {
   public:
     /// - `disc_radius_px`: CoC radius of each depth level; blur kernel number i is the disc of level i
@@ -201,7 +204,7 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// A direct-mapped cache of recent keys, so that threads rarely use the shared table.
+/// A thread's own cache of kernel numbers, so that threads rarely use the shared table. It is direct-mapped.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -1,4 +1,4 @@
-// Reduces the number of different kernels if they would exceed the memory limit.
+// Rounds the shapes of blur kernels more coarsely if the kernels would exceed the memory limit.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -59,8 +59,8 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Rounds the sizes and positions of ellipses more coarsely, so that more samples share a kernel. With one
-// step for all octaves of size, small ellipses would vanish.
+// Rounds the sizes and positions of blur ellipses more coarsely, so that more samples share a kernel. The
+// rounding depends on the size; with one step for all sizes, small ellipses would vanish.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {

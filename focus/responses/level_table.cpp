@@ -9,25 +9,26 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between neighbouring diameters, in px, from small_px to even_px. Rounding to it changes a CoC
-/// diameter by less than a quarter of a pixel.
+/// Step between neighbouring CoC diameters, in px, from small_px to even_px. Rounding then changes a diameter
+/// by less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
 /// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, at least 1/8 px. A larger
 /// step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// CoC diameter, in px, below which a sample is not blurred. The traced image is about that soft at different
-/// quadtree cells, and more blur would lower the PSNR.
+/// CoC diameter, in px, below which a sample is not blurred. Between quadtree cells of different sizes, the
+/// traced image is already about this soft; more blur would lower the PSNR.
 constexpr double sharp_below_px = 0.4;
-/// From the diameter even_px on, each level is 1/500 wider than the level before.
+/// From the diameter even_px on, the CoC diameter of each depth level is 1/500 larger than that of the level
+/// before.
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Returns the level of a diameter before it is rounded to an integer. diameter_after is the inverse
-/// function.
+/// Returns the depth level of a CoC diameter, as a real number that callers round. diameter_after is the
+/// inverse function.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;
@@ -44,12 +45,12 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are processed together: find_cells computes their cells of the lookup table with
-/// SIMD, then their levels are read from it.
+/// Number of depths whose depth levels are looked up together. Their positions in the lookup table are first
+/// computed with SIMD, then the table is read.
 constexpr std::size_t together = 128;
 
-/// Computes the CoC diameter of each depth, and its cell of the lookup table. The cell is 0 for diameters
-/// beyond the table.
+/// Computes the CoC diameter of each depth, in px, and its index in the lookup table of depth levels. The
+/// index is 0 for diameters beyond the table.
 POSTLENS_MULTIVERSION
 void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The CoC diameters for which impulse responses are computed. Others are rounded to the nearest. Steps grow
-/// from 1/8 px to half a pixel. Above `even_diameter_px`, they are 1/500 of the diameter.
+/// The CoC diameters for which blur kernels are computed. Others are rounded to the nearest. Steps grow from
+/// 1/8 px to half a pixel. Above `even_diameter_px`, they are 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;

@@ -39,7 +39,8 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// The impulse response of a record: its size, and the key of its kernel without the subpixel position.
+/// Blur kernel of a surface point: its size, and its key in the table of kernels, without the subpixel
+/// position.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
@@ -49,7 +50,8 @@ struct NodeResponse {
     double inverse_depth_per_m = 0;
 };
 
-/// Impulse responses of one lens setting. Positions are relative to the centre of the image.
+/// Finds the blur kernels of surface points for one lens setting. Positions are relative to the centre of the
+/// image.
 class NodeResponses {
   public:
     NodeResponses(const FocusGeometry& geometry, DepthLevels levels, DepthModel model,
@@ -88,7 +90,8 @@ class NodeResponses {
     std::shared_ptr<const ResponseModel> response_;
 };
 
-/// Returns 1/z' of a record, in 1/m, where 0 means infinitely far. Depths below 1e-37 m are clamped.
+/// Returns the inverse depth 1/z' of a surface point, in 1/m, where 0 means infinitely far. Depths below
+/// 1e-37 m are clamped.
 [[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
     return 1 / std::max(static_cast<double>(node.z), 1e-37);
 }

@@ -9,23 +9,23 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel.
-/// Larger samples are scattered as a whole.
+/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel,
+/// each blurred separately. Larger samples are blurred as a whole.
 constexpr double one_disc_from_px = 2;
 
-/// Returns the number of subpixel positions per px, along each axis, for kernels of this radius. A sample
-/// between two positions is distributed over both, which preserves the centroid.
+/// Returns how many subpixel positions per pixel, along each axis, blur kernels of this radius have. A sample
+/// between two positions is divided between them, which preserves its centroid.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Returns the displacement, in px, of a sample at a corner between quadtree leaves (undivided cells) of
-/// different sizes. It corrects an integration error that would blur edges.
+/// Returns how far, in px, a sample at a corner between quadtree cells of different sizes is moved. The move
+/// corrects an integration error that would blur edges.
 ///
-/// For a row of leaves of size h, the trapezoidal rule over corner samples has an error of h^2 / 12 times the
-/// slope at each end (Euler-Maclaurin). Moving a leaf's part of the sample, of weight h / 2, by h / 6 into
-/// the leaf compensates for it.
+/// Integration over cells of width h with samples at their corners (trapezoidal rule) has an error of h^2 /
+/// 12 times the slope at each end (Euler-Maclaurin). To compensate for it, the part of a sample that belongs
+/// to a cell, with weight h / 2, moves by h / 6 into the cell.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -37,7 +37,8 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// Rounds a position inside a pixel, from 0 to 1 px, to the nearest subpixel position inside the pixel.
+/// Rounds a position inside a pixel, from 0 to 1 px, to the nearest subpixel position that does not lie on
+/// the pixel's border.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);

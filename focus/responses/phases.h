@@ -1,4 +1,4 @@
-// Subpixel positions at which the impulse response of a point sample is placed.
+// Subpixel positions where the blur kernel of a sample is placed.
 #pragma once
 
 #include <array>
@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// A subpixel position for a part of a sample, and the weight of this part. Units are
+/// A subpixel position where a part of a sample is blurred, and the weight of this part. Units are
 /// 1/KernelKey::phase_steps px, from the pixel's upper left corner.
 struct Phase {
     std::int32_t x, y;
     float weight;
 };
 
-/// The subpixel positions at which a sample's impulse response is placed. There are at most four.
+/// The subpixel positions, at most four, among which a sample is divided before it is blurred.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;
@@ -32,14 +32,14 @@ struct Phases {
     }
 };
 
-/// Returns the positions at which the response of a sample is placed, with weights that add up to the
+/// Returns the positions where the blur kernel of a sample is placed, with weights that add up to the
 /// sample's weight.
 ///
-/// A small disc is placed at the sample's position, rounded to 1/16 px. Larger discs are distributed over the
-/// nearest positions of a coarser grid, to save kernels.
+/// A small disc is placed at the sample's position, rounded to 1/16 px. A larger disc is divided among the
+/// nearest positions of a coarser grid, so that fewer kernels are needed.
 ///
-/// A sample on the border between pixels may have a different weight in each. If its radius is below 2 px,
-/// each part is placed inside its own pixel.
+/// A sample on the border between pixels may have a different weight in each. If its blur radius is below 2
+/// px, the part of each pixel is placed inside that pixel.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

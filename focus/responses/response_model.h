@@ -1,4 +1,4 @@
-// Interface to the impulse responses of a lens. They are provided as kernels.
+// Interface of models of the lens's blur, which compute blur kernels on the pixel grid.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point. Without aberrations, light through the point q of the
-/// aperture, in lens radii, arrives at `map_px` times q from the response's centre.
+/// Describes a blur kernel to be computed. Without aberrations, light through the point q of the lens, in
+/// lens radii, arrives at `map_px` times q from the kernel's centre.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -23,7 +23,7 @@ struct ResponseRequest {
     KernelReach reach;
 };
 
-/// Impulse responses of one lens setting. The base class is the fastest model, a round aperture, whose
+/// Model of the blur of one lens setting. The base class is the fastest model, a round aperture, whose
 /// kernels are discs and ellipses.
 class ResponseModel {
   public:
@@ -85,8 +85,8 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
-/// `geometry`. Throws the errors of read_aperture, also for a real lens.
+/// Creates the blur model of a lens or aperture. `half_diagonal_px` is half the diagonal of the image, in px
+/// of `geometry`. Throws the errors of read_aperture, also for a real lens.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -1,4 +1,4 @@
-// Radii of the circles of confusion at the border of the recorded area.
+// Radii of the circles of confusion along the border of the traced area.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Distance, in px, to which the lens spreads light from each pixel corner of the outermost recorded rows and
-/// columns. It is the CoC radius, or more with spherical aberration.
+/// For each pixel corner on the border of the traced area, the distance, in px, to which the lens spreads its
+/// light. It is the CoC radius, or more with spherical aberration.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on

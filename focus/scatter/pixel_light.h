@@ -1,4 +1,4 @@
-// The light of one sample of another program's image, the input of SplatTables and LayerSplats.
+// A sample of another program's image with depth, before it is blurred by `scatter` or `layers`.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Light at one depth in a pixel. It is placed at the pixel's centre, because pixel values and kernels are
-/// means over the pixel's area.
+/// Light at one depth in a pixel of another program's image. It is placed at the pixel's centre, because
+/// pixel values are means over the pixel's area.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing

@@ -1,5 +1,5 @@
-// Plain corners: samples at pixel corners between undivided pixels, without reflections or refractions. Most
-// samples are plain, so they are stored compactly, as arrays of depth, r, g and b.
+// Stores the most frequent samples compactly, as arrays of depth, r, g and b. These "plain corners" lie at
+// pixel corners between undivided pixels, and have no reflections or refractions.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace postlens {
 
 /// Returns whether a sample lies at a pixel corner and the four pixels around it are not divided into smaller
-/// cells.
+/// quadtree cells.
 [[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
     return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
 }
@@ -22,8 +22,8 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The plain corners of some rows, one element per pixel corner, row by row. They have weight 1. Corners on
-/// the border of the raster are never plain.
+/// Samples between undivided pixels, without reflections: one element per pixel corner, row by row. They have
+/// weight 1. Corners on the border of the raster are not stored here.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;
@@ -43,7 +43,8 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain corners in the rows of `samples`, whose records are in `band`. Reuses the memory of `out`.
+/// Finds the samples that PlainCorners can store: those between undivided pixels, without reflections. `band`
+/// contains the records of `samples`. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// Scatters splats one by one. The cost is proportional to the length of the kernel's outline.
+// Blurs samples one by one and adds them to the image. The time per sample is proportional to the length of
+// its blur kernel's outline.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +10,12 @@
 
 namespace postlens {
 
-/// Sums over a few pixel rows of a block: colour times kernel in channels 0 to 2, weight times kernel in
-/// channel 3.
+/// Sums of the blurred samples in each pixel of a few rows: colour times kernel in channels 0 to 2, weight
+/// times kernel in channel 3.
 ///
-/// The uniform interior of a wide kernel row is stored as differences between pixels, from which running sums
-/// yield it. With float, every bright sample would leave a rounding error to its right, so sums use double.
+/// The uniform interior of a wide kernel is stored as differences between neighbouring pixels, which are
+/// summed along the row. Sums use double, because with float every bright sample would leave a rounding error
+/// to its right.
 class PointScatter {
   public:
     /// `channel` selects the blur kernels if each colour channel has its own.

@@ -9,16 +9,16 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows that are summed in float before they are added in double. It is so small that the
-/// rounding error of float does not matter.
+/// Number of rows of samples whose blurred light is summed in float, before these sums are added in double.
+/// It is so small that the rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered for one strip (64 columns) before the next strip. The sums of a
-/// strip then usually stay in the L1 cache.
+/// Number of rows of samples that are blurred into one strip of the image (64 columns) before the next strip.
+/// The sums of a strip then usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// A strip's row of 64 pixels has 8 vectors of 8 floats. These fit into the registers and keep the loop's
+/// A row of 64 pixels is computed as 8 vectors of 8 floats. These fit into the registers and keep the loop's
 /// overhead small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
@@ -29,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Arguments of filter_strip, which filters a source row with a kernel. It adds the result to the sums of one
-/// strip (64 columns of a block).
+/// Arguments of filter_strip, which blurs a row of samples with one disc and adds the result to a strip of
+/// the image (64 columns).
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -38,13 +38,14 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
-/// The kernel rows dy that reach pixels of the block, as a range [begin, end).
+/// Range [begin, end) of the rows of a blur kernel that reach pixels of the block. Rows are counted from the
+/// kernel's centre.
 struct RowRange {
     int begin, end;
 };
 
-/// Filters the source row with each kernel row dy. Kernels are symmetric, so the result is added to two rows
-/// of the image, `down` + dy and `up` - dy.
+/// Convolves a row of samples with each row dy of a disc. The disc is symmetric, so each result is added to
+/// two rows of the image, `down` + dy and `up` - dy.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -89,7 +90,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the result of filtering a source row of ones, which is the sum of each kernel row.
+/// Adds the blurred weights of a row of samples. All weights are 1, so each pixel gets the sum of the kernel
+/// row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

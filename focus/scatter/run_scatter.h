@@ -1,5 +1,5 @@
-// Scatters runs with SIMD. A run consists of adjacent samples at pixel corners whose impulse response is the
-// same disc.
+// Blurs runs of samples with SIMD. The samples of a run are adjacent, lie at pixel corners, and have the same
+// disc as blur kernel.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace postlens {
 
-/// Sums of colour times kernel, and of the kernel, over a block of pixels.
+/// Sums of the blurred samples in each pixel of a block: colour times kernel, and weight times kernel.
 ///
-/// Kernels are symmetric, because discs are centred on integer coordinates. A filtered source row is
-/// therefore used for two rows of the image.
+/// The kernels are discs around pixel corners, so they are symmetric. A row of samples is therefore convolved
+/// once for two rows of the image.
 ///
-/// The interior of a kernel row is a difference of running sums. These use double, so that a bright sample
-/// leaves no rounding error to its right.
+/// The uniform interior of a kernel is computed as a difference of running sums. These use double, so that a
+/// bright sample leaves no rounding error to its right.
 class RunScatter {
   public:
     /// Number of columns of the image that are computed together.

@@ -15,20 +15,22 @@
 namespace postlens {
 namespace {
 
-// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). Its rows should fit into the L2
-// cache. Larger blocks share more work, smaller blocks keep more threads busy.
+// Size, in px, of the blocks of the image that threads compute, chosen by measurement
+// (bench/scatter_bench.cpp). A block's rows should fit into the L2 cache. Larger blocks share more work,
+// smaller ones keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of pixel rows per call of PointScatter. A call needs 64 B per pixel and tests every splat.
+/// Number of pixel rows that PointScatter computes at a time. More rows need more memory (64 B per pixel);
+/// with fewer rows, every sample is tested more often.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// The sums of one row of a strip: strip_width values of each channel.
+/// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel: its sum of weights, plus the weight of empty space. The latter is 1 -
-/// `weight`, limited to the range from 0 to `most_nothing`.
+/// Returns the divisor of a pixel's colour: the sum of weights of its samples, plus the weight of empty
+/// space. The latter is 1 - `weight`, limited to the range from 0 to `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -51,8 +53,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
-/// in `points` must come from this channel's kernels.
+/// Divides one colour channel by its sum of weights and stores it, if each channel has its own blur kernels.
+/// The sums in `points` must come from this channel's kernels.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -71,8 +73,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds the sums of runs (adjacent samples with the same disc) and single splats in a few rows of a block,
-/// normalises and stores them. `runs` is null if there are none.
+/// Stores a few pixel rows: adds the sums of single samples and of runs (adjacent samples with the same
+/// disc), and divides by the weight. `runs` is null if there are none.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
@@ -172,8 +174,8 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Returns the sums of colours (channels 0 to 2) and weights (channel 3) for every pixel, with the kernels of
-/// one channel.
+/// Blurs every sample with the kernels of one colour channel. Returns the sums of colours (channels 0 to 2)
+/// and weights (channel 3) for every pixel.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

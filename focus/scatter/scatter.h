@@ -1,5 +1,5 @@
 // The method `scatter` [potmesil1981]. It spreads each sample over its circle of confusion, then divides each
-// pixel by its sum of weights. Empty space may have a weight, too (SplatTables::let_nothing_fill).
+// pixel by its sum of weights.
 #pragma once
 
 #include "focus/scatter/splat_tables.h"
@@ -7,14 +7,14 @@
 
 namespace postlens {
 
-/// A pixel is black if its sum of weights is smaller than this.
+/// A pixel is black if the weights of its blurred samples add up to less than this.
 inline constexpr double smallest_weight = 1e-12;
 
 /// Edge of the blocks in which images are computed, in px.
 inline constexpr int scatter_block_px = 256;
 
-/// Computes the pixels of the window tables.picture(), in parallel, and resizes `image` to this window.
-/// Blocks outside `wanted` are skipped. The result is bit-identical for any number of threads.
+/// Computes the blurred image in the window tables.picture(), in parallel, and resizes `image` to this
+/// window. Blocks outside `wanted` are skipped. The result is bit-identical for any number of threads.
 void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// Computes the same image as scatter(), by evaluating every impulse response at every pixel in double

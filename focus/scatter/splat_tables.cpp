@@ -13,15 +13,16 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the smallest number of adjacent samples for which one run is faster than single splats. A run
-/// costs the area of the disc, a splat the length of its outline.
+/// Returns how many adjacent samples must share a disc, so that blurring them together is faster than one by
+/// one. Together, the time grows with the disc's area, one by one with the length of its outline.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 }  // namespace
 
-/// Builds the splats of one row of pixel corners at a time. Several threads may build different rows.
+/// Builds the splats (samples with their blur kernels) of one row of pixel corners at a time. Each thread
+/// needs its own builder.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
@@ -114,7 +115,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain corners of a row (samples of undivided pixels without reflections). The result equals that
+// Adds the samples of a row that lie between undivided pixels and have no reflections. The result equals that
 // of add_sample, but is faster.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
@@ -291,7 +292,7 @@ std::size_t reach_class(const Reach& reach) {
                                     limits_px.begin());
 }
 
-// Sorts the splats of a row by reach class (kernel size), then by column.
+// Sorts the samples of a row by the size class of their blur kernels, then by column.
 void SplatTables::sort_by_reach(SplatRow& row) const {
     const std::vector<Splat> unsorted = row.splats;
     std::vector<std::uint8_t> classes;

@@ -1,5 +1,5 @@
-// Builds splats (impulse responses of samples) from records, sorted by source row. They are the input of
-// scattering.
+// Converts samples to splats (samples with their blur kernels), sorted by row, as input of the method
+// `scatter`.
 #pragma once
 
 #include <array>
@@ -23,26 +23,27 @@
 
 namespace postlens {
 
-/// Returns the largest distance between a splat in `source` and a pixel in `picture`, along each axis.
+/// Returns the largest distance, in px along each axis, between a sample in `source` and a pixel in
+/// `picture`. No blur kernel needs to be larger.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// The impulse response of one record of a point sample, multiplied by the sample's weight. `weight` is 0 for
-/// reflected and transmitted records, so that a sample counts only once.
+/// A sample to be blurred, with the number of its blur kernel. `weight` is 0 for what is reflected or
+/// refracted, so that a sample counts only once in the sum of weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, with weight 1 and the same disc.
-/// Their colours are in SplatTables::raster_row.
+/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, that have weight 1 and the same
+/// disc as blur kernel. Their colours are in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Number of classes that divide the splats of a row by kernel size. Blocks far from the row test only the
-/// classes with large kernels.
+/// Number of classes into which the samples of a row are divided by the size of their blur kernels. Blocks of
+/// pixels far from the row test only the classes with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
@@ -61,7 +62,8 @@ struct SplatRow {
     }
 };
 
-/// The splats of an image, sorted by row. Add each row once, in any order, then call finish().
+/// The samples of an image with their blur kernels, sorted by row. Add each row once, in any order, then call
+/// finish().
 class SplatTables {
   public:
     /// `source` is the window of the recorded pixel corners, `picture` that of the image's pixels. `response`

@@ -1,4 +1,4 @@
-// Finds the rows of the file that must be read again for each strip of an image.
+// Finds the rows of the file that must be read again for each strip (group of rows) of a large image.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,10 @@
 
 namespace postlens {
 
-/// Finds the rows of the file that must be read again for each strip of the image.
+/// Finds the rows of the file that must be read again for each strip (group of rows) of the image.
 ///
-/// An `Item`, for example a splat, belongs to a row of the file. The few items that reach far are kept in
-/// memory, so that only rows close to a strip must be read.
+/// An `Item`, for example a sample to be blurred, belongs to a row of the file. The few items that are
+/// blurred over many rows are kept in memory, so that only rows close to a strip must be read.
 template <typename Item>
 class StripRows {
   public:
