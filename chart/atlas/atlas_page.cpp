@@ -64,7 +64,7 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of an atlas case: the tested method, its remedy (a correct method) if any, the
+/// Returns the table rows of an atlas case: the tested method, a correct method (the remedy) if any, the
 /// pinhole image, and the noise of the reference.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};

@@ -8,8 +8,8 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// A mirror image that reaches a pixel with less weight than this (1 fills the pixel) has too few samples.
-/// Its radiance, blurred like the mirror instead, is blended in.
+/// Below this weight at a pixel (1 fills the pixel), a mirror image has too few samples. A version of it that
+/// is blurred like the mirror is then blended in.
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at one pixel after one sequence of reflections and transmissions, for example by a
@@ -49,8 +49,8 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Combines the blurred samples of one surface at a pixel: those visible from the pinhole (`seen`) and those
-/// hidden from it (`hidden`). Either may be null. Returns nothing if there is no light.
+/// Combines the blurred samples of one surface at a pixel: those that the pinhole sees, and hidden ones.
+/// Either may be null. Returns nothing if there is no light.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -59,8 +59,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Collects the surfaces that are seen in one mirror, or through one glass, at a pixel. Their own reflections
-/// are in `longer`. Returns the sum of their blur weights.
+/// Collects the surfaces that one mirror or glass shows at a pixel, with their own reflections (`longer`).
+/// Returns the sum of their blur weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();

@@ -24,9 +24,8 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes a surface's light at a pixel from its blurred samples, including mirror images and what is seen
-/// through it. Returns nothing if the blurred surface does not reach the pixel. `terms` must be sorted by
-/// LayerPart.
+/// Computes a surface's light at a pixel, including mirror images and what is seen through it. Returns
+/// nothing if the blurred surface does not reach the pixel. `terms` must be sorted by LayerPart.
 ///
 /// A mirror image is limited to its mirror by a mask that is blurred like the mirror. Otherwise, the mirror's
 /// outline would be blurred like the image in it.

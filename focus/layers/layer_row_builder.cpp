@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// From these CoC radii on, in px, blur discs are centred only on multiples of a quarter pixel or of a whole
-/// pixel. More samples then share a kernel, without visible change.
+/// CoC radii, in px, from which blur discs are centred on multiples of a quarter pixel or a whole pixel, so
+/// that more samples share a kernel. The change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel or a whole pixel.
-/// They are passed to it instead of the true radius.
+/// Blur radii, in px, that replace the true ones, so that NodeResponses::phases rounds positions to a quarter
+/// pixel or a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -79,8 +79,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample with its blur kernel to the row. The hash depends on the kernel's shape, not on the kernel's
-// number, which depends on the timing of threads.
+// Adds a sample to the row. The hash comes from the shape of its blur kernel, because the kernel's number
+// depends on the timing of threads.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -208,8 +208,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surface points in a mirror or behind glass that nearer objects hide from the pinhole, but not from the
-// whole lens. `surface` is the mirror or glass.
+// Adds what the pinhole does not see in a mirror or through glass, but other lens points do. `surface` is the
+// mirror or glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Width, in px, of the squares in which samples are grouped. If no blur kernel of a group reaches a block of
-/// the image, the whole group is skipped.
+/// Width, in px, of the squares in which samples are grouped. A group whose blur does not reach a block of
+/// the image is skipped there.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -119,8 +119,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the blurred samples of a row by surface, then by square of 64 x 64 px. Appends each group of samples
-// with the same surface and square to `runs`.
+// Sorts the samples of a row by surface, then by square of 64 x 64 px, and appends the resulting groups to
+// `runs`.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;

@@ -80,12 +80,12 @@ struct LayerPass {
 
 /// Largest number of splats that one call of add_run adds.
 constexpr std::size_t longest_run = 64;
-/// Number of zeros before and after a row of samples in memory. With them, convolution with a short kernel
-/// row needs no test for the ends of the samples.
+/// Number of zeros before and after a row of samples in memory, so that short convolutions need no test for
+/// the row's ends.
 constexpr std::size_t padding = 4;
 
-/// Returns how many of the first samples can be blurred by one convolution: neighbours in a row with the same
-/// kernel. Returns 0 if the kernel does not reach the pixels `rows`.
+/// Returns how many of the first samples can be blurred together: neighbours with the same kernel. Returns 0
+/// if the kernel does not reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -99,8 +99,8 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Convolves a row of values with a short kernel row (`taps`). The kernel's length is a template argument: a
-/// loop over the usual two to four taps takes longer than the sums.
+/// Convolves a row of values with a short kernel row (`taps`), whose length is a template argument. A loop
+/// over the usual two to four taps would take longer than the sums.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, double y,
                                                         int count, double* pixels) {
@@ -111,8 +111,8 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
     }
 }
 
-/// Convolves `values` with `taps`, for example a kernel row, and adds the result to the pixels [begin, end)
-/// of a row. values[0] belongs to the pixel `first`; `padding` zeros lie before and after `values` in memory.
+/// Adds the convolution of `values` with the kernel row `taps` to the pixels [begin, end) of a row. values[0]
+/// belongs to the pixel `first`; `padding` zeros surround `values` in memory.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
@@ -146,7 +146,7 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes the steps between neighbouring values at one end of a kernel row, outside its uniform interior:
+/// Computes the differences between neighbouring values on one side of a kernel row's uniform interior:
 /// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {

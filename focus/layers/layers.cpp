@@ -46,7 +46,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether it matters through which side of the lens light passes. It does for surfaces, which are
+/// Returns whether it matters through which side of the lens light passes. It matters for surfaces, which are
 /// composited by depth, but not for mirror images in them.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
@@ -287,8 +287,7 @@ double layer_sums(const LayerSplats& splats) {
 
 namespace {
 
-/// Blurred light of one surface, or of one mirror image, for every pixel of the image. LayerTerm::part is not
-/// set.
+/// Blurred light of one surface or mirror image, for every pixel. LayerTerm::part is not set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -13,8 +13,8 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage as a linear function of the lens point q, in lens radii: mean + 4 tilt . q.
-/// `tilt` is the mean of the function times q, and 4 is the inverse variance of q.
+/// A transmittance or coverage that varies linearly over the lens. At the lens point q, in lens radii, it is
+/// mean + 4 tilt . q, where `tilt` is the mean of its product with q.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -99,7 +99,7 @@ struct Arrived {
 };
 
 /// Returns the coverage by surfaces in front that shift about as far as the given surface when the lens point
-/// moves. `radius_px` is the given surface's signed CoC radius.
+/// moves. The given surface has the signed CoC radius `radius_px`.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     // Searches from the nearest surface in front towards the lens. In front of a surface that moves

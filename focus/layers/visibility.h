@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Sum of light times the lens point through which it passes, in lens radii along the axes of the image. It
-/// shows on which side of the lens the light is concentrated.
+/// Sum of light times the lens point through which it passes, in lens radii. It shows on which side of the
+/// lens the light is concentrated.
 struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Show on which side of the lens a surface's light is concentrated. The colour channels share one moment,
-/// because brightness varies more over the lens than hue.
+/// Shows on which side of the lens a surface's light is concentrated. The colour channels share one moment,
+/// because over the lens brightness varies more than hue.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Intended limit, in px, for the difference between the CoC diameters of neighbouring depth levels with
-/// equal steps of z'. A smaller limit would need too many levels (most_linear_levels).
+/// Intended difference, in px, between the CoC diameters of neighbouring depth levels. A smaller difference
+/// would need more than most_linear_levels.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -17,7 +17,7 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many depth levels, with equal steps of z', limit the rounding error of CoC diameters to half
+/// Returns how many depth levels, equally spaced in z', keep the rounding error of CoC diameters below half
 /// of linear_step_px. The nearest depth decides, because the diameter changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
     // Rounding z + h to z changes the CoC diameter by gain (1 / z - 1 / (z + h)), where z is the nearest

@@ -18,8 +18,8 @@ constexpr double widest_skirt_px = 256;
 /// then finer than a pixel.
 constexpr double disc_from_px = 2048;
 
-/// Returns the CoC radius, in px, where `map_px` converts lens points to px. In curved mirrors and glass, the
-/// CoC may be an ellipse; a disc of its mean radius replaces it.
+/// Returns the CoC radius, in px. In a curved mirror or glass, the CoC may be an ellipse, which is replaced
+/// by a disc of its mean radius.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

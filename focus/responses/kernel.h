@@ -20,9 +20,8 @@
 
 namespace postlens {
 
-/// One row of a blur kernel: the columns [x_begin, x_end), relative to the position where the kernel is
-/// placed. The columns [inner_begin, inner_end) have the value Kernel::inner; each other column has its own
-/// value (tap).
+/// The columns [x_begin, x_end) of one row of a blur kernel, relative to the kernel's position. The columns
+/// [inner_begin, inner_end) share the value Kernel::inner; each other column has its own value (tap).
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
@@ -55,10 +54,10 @@ struct Kernel {
 };
 
 /// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
-/// phase_y) px from the integer raster position where the kernel is placed.
+/// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Build a blur kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values.
-/// Coordinates are relative to the position where the kernel is placed.
+/// Build a blur kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values,
+/// whose coordinates are relative to the kernel's position.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -124,7 +123,7 @@ struct KernelKey {
 };
 
 /// The pixels that a blur kernel covers: rows [dy_begin, dy_end) and columns [dx_begin, dx_end), relative to
-/// the position where the kernel is placed.
+/// the kernel's position.
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
@@ -204,7 +203,7 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// A thread's own cache of kernel numbers, so that threads rarely use the shared table. It is direct-mapped.
+/// A thread's own cache of kernel numbers, so that threads rarely use the shared table.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -18,7 +18,7 @@ constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
 /// CoC diameter, in px, below which a sample is not blurred. Between quadtree cells of different sizes, the
-/// traced image is already about this soft; more blur would lower the PSNR.
+/// traced image is already about this soft.
 constexpr double sharp_below_px = 0.4;
 /// From the diameter even_px on, the CoC diameter of each depth level is 1/500 larger than that of the level
 /// before.
@@ -45,8 +45,8 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths whose depth levels are looked up together. Their positions in the lookup table are first
-/// computed with SIMD, then the table is read.
+/// Number of depths that are converted to depth levels at once: first all table indices are computed with
+/// SIMD, then the table is read.
 constexpr std::size_t together = 128;
 
 /// Computes the CoC diameter of each depth, in px, and its index in the lookup table of depth levels. The

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Blur radius, in px, for which phases_of rounds the positions of samples to a quarter pixel instead of 1/16
-/// px. It replaces smaller radii if kernels are expensive to compute.
+/// Blur radius, in px, for which phases_of rounds positions to a quarter pixel instead of 1/16 px. It
+/// replaces smaller radii if kernels are expensive to compute.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -36,8 +36,8 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Completes `out` for an aperture that is not round: the radius of the blur kernel, and the square of the
-// image in which samples share this kernel if blur varies over the image.
+// For an aperture that is not round, sets the radius of the blur kernel. If blur varies over the image, also
+// sets the square of the image in which the kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, below which a sample on the border between pixels is divided into one part per pixel,
-/// each blurred separately. Larger samples are blurred as a whole.
+/// CoC radius, in px, below which a sample on the border between pixels is blurred as several parts, one
+/// inside each pixel. Larger samples are blurred as a whole.
 constexpr double one_disc_from_px = 2;
 
 /// Returns how many subpixel positions per pixel, along each axis, blur kernels of this radius have. A sample
-/// between two positions is divided between them, which preserves its centroid.
+/// between two positions is divided between them.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
@@ -23,9 +23,9 @@ int phases_per_px(double radius_px) {
 /// Returns how far, in px, a sample at a corner between quadtree cells of different sizes is moved. The move
 /// corrects an integration error that would blur edges.
 ///
-/// Integration over cells of width h with samples at their corners (trapezoidal rule) has an error of h^2 /
-/// 12 times the slope at each end (Euler-Maclaurin). To compensate for it, the part of a sample that belongs
-/// to a cell, with weight h / 2, moves by h / 6 into the cell.
+/// Integration over a row of cells of width h with samples at their corners (trapezoidal rule) has an error
+/// of h^2 / 12 times the slope at each end (Euler-Maclaurin). To compensate for it, the part of a sample that
+/// belongs to a cell, with weight h / 2, moves by h / 6 into the cell.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {

@@ -1,4 +1,4 @@
-// Interface of models of the lens's blur, which compute blur kernels on the pixel grid.
+// Interface for models of lens blur, which compute blur kernels on the pixel grid.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Describes a blur kernel to be computed. Without aberrations, light through the point q of the lens, in
-/// lens radii, arrives at `map_px` times q from the kernel's centre.
+/// A blur kernel to be computed. Without aberrations, light through the lens point q, in lens radii, arrives
+/// at `map_px` times q from the kernel's centre.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// For each pixel corner on the border of the traced area, the distance, in px, to which the lens spreads its
-/// light. It is the CoC radius, or more with spherical aberration.
+/// Distance, in px, to which the lens spreads the light of each pixel corner on the border of the traced
+/// area. It is the CoC radius, or more with spherical aberration.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on

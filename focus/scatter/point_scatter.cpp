@@ -12,8 +12,6 @@ namespace {
 // NOLINTNEXTLINE(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 
-/// Arguments of add_points: the samples of one row, and the rows of a block of pixels to which their blurred
-/// light is added.
 struct PointPass {
     const Splat* splats = nullptr;
     std::size_t count = 0;

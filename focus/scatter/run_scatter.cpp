@@ -9,11 +9,11 @@
 namespace postlens {
 namespace {
 
-/// Number of rows of samples whose blurred light is summed in float, before these sums are added in double.
-/// It is so small that the rounding error of float does not matter.
+/// Rows of samples that are summed in float before the sums are added in double. With so few rows, the
+/// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Number of rows of samples that are blurred into one strip of the image (64 columns) before the next strip.
-/// The sums of a strip then usually stay in the L1 cache.
+/// Rows of samples that are blurred into a strip of 64 image columns before the next strip. The sums of a
+/// strip then usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;

@@ -29,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel's colour: the sum of weights of its samples, plus the weight of empty
-/// space. The latter is 1 - `weight`, limited to the range from 0 to `most_nothing`.
+/// Returns the divisor of a pixel's colour: `weight`, the sum over its samples, plus the weight of empty
+/// space, which is 1 - `weight`, limited to the range from 0 to `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

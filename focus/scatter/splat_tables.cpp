@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns how many adjacent samples must share a disc, so that blurring them together is faster than one by
-/// one. Together, the time grows with the disc's area, one by one with the length of its outline.
+/// Returns how many adjacent samples must share a disc until blurring them together is faster than one by
+/// one. Together, the time grows with the disc's area; one by one, with its circumference.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }

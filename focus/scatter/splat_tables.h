@@ -27,23 +27,23 @@ namespace postlens {
 /// `picture`. No blur kernel needs to be larger.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred, with the number of its blur kernel. `weight` is 0 for what is reflected or
-/// refracted, so that a sample counts only once in the sum of weights.
+/// A sample to be blurred. `weight` is 0 for reflected and refracted light, so that a sample counts only once
+/// in a pixel's sum of weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, that have weight 1 and the same
-/// disc as blur kernel. Their colours are in SplatTables::raster_row.
+/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, with weight 1 and the same disc
+/// as blur kernel. Their colours are in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Number of classes into which the samples of a row are divided by the size of their blur kernels. Blocks of
-/// pixels far from the row test only the classes with large kernels.
+/// Number of size classes of blur kernels. Each row's samples are sorted by class, so that distant blocks of
+/// pixels test only those with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
