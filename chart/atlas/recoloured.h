@@ -1,4 +1,5 @@
-// Replaces a frame's radiance by the pixels of an image, so that a method can blur the image again.
+// Replaces the radiance in a sample file by the pixels of an image that is already blurred, so that a method
+// can blur it again.
 #pragma once
 
 #include <filesystem>

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Intended difference, in px, between the CoC diameters of neighbouring depth levels. A smaller difference
-/// would need more than most_linear_levels.
+/// Intended difference, in px, between the CoC diameters of neighbouring depth levels with equal steps of z'.
+/// A smaller difference would need too many levels (most_linear_levels).
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {

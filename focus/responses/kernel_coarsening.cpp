@@ -59,8 +59,8 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Rounds the sizes and positions of blur ellipses more coarsely, so that more samples share a kernel. Large
-// ellipses get larger steps; with one step for all, small ellipses would vanish.
+// Rounds the sizes and positions of blur ellipses more coarsely, so that more samples share a kernel. Each
+// range of sizes has its own step; with one step for all, small ellipses would vanish.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
