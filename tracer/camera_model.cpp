@@ -23,7 +23,7 @@ double positive(double value, const char* option, const char* unit) {
     return value;
 }
 
-// Returns the film distance, mm, at which `pixels` pixels subtend the angle `degrees`.
+// Returns the distance, mm, from the lens to a film on which `pixels` pixels subtend the angle `degrees`.
 // The angle is measured between the outer edges of the outermost pixels, or optionally between their centres.
 double film_distance(const Camera& c, double degrees, double pitch_mm, int pixels) {
     const double film_mm = pitch_mm * (c.fov_between_pixel_centres ? pixels - 1 : pixels);

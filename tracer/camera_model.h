@@ -15,8 +15,8 @@ struct CameraOverrides {
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. In the camera frame, its direction is (tan_x, -tan_y, -1), normalised.
-/// tan_x and tan_y are along the raster's axes (x right, y down).
+/// An eye ray: from the pinhole through a raster position, or parallel to the optical axis if the camera is
+/// orthographic.
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis

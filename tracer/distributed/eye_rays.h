@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Writes the eye rays for samples [first, first + count) of each pixel to `eye`.
-/// `pixels` contains indices y * width + x. If `times` is true, the rays have times.
+/// Sets `eye` to the eye rays for samples [first, first + count) of each pixel in `pixels`.
+/// Pixels have the index y * width + x. If `times` is true, each ray has its own instant.
 void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
                    std::span<const std::uint32_t> pixels, int first, int count, EyeRays& eye);
 

@@ -49,7 +49,8 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Computes 16 rays in single precision. Their error on the raster is at most 1e-4 px.
+// Computes 16 rays from lens points, in the camera's frame and in single precision.
+// Rounding moves a ray by at most 1e-4 px on the raster.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -76,7 +77,7 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the image position of a ray with this direction through the pinhole, relative to the image centre.
+// Returns the image position, relative to the image centre, of a ray with this direction through the pinhole.
 // The unit is half the image diagonal.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));

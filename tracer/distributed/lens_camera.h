@@ -1,4 +1,4 @@
-// The camera with a lens and a shutter. It maps random numbers in [0, 1) to eye rays [cook1984].
+// Makes eye rays from random numbers, through points of the lens and at instants of the exposure [cook1984].
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@
 
 namespace postlens {
 
-/// Sixteen samples. x and y are raster positions, px. The other values are random numbers in [0, 1).
+/// Random numbers for sixteen eye rays. x and y are raster positions, px.
+/// The numbers for the lens point and the instant are in [0, 1).
 struct LensSamples {
     alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
 };

@@ -5,8 +5,8 @@
 
 namespace postlens {
 
-/// Returns the scene with all its contents translated by -origin.
-/// Far from the origin, rounding errors of float rays would exceed the size of a small lens.
+/// Returns the scene translated by -origin.
+/// Far from the world's origin, float rays have rounding errors that exceed the size of a small lens.
 [[nodiscard]] Scene recentred(Scene scene, const glm::dvec3& origin);
 
 }  // namespace postlens

@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Finite placeholder for the f-number of a lens prescription, until that number has been computed.
+/// Finite placeholder for the f-number of a real lens (lens prescription), until it has been computed.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

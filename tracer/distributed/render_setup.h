@@ -1,4 +1,5 @@
-// What a render computes before it traces rays: the recentred scene, the lens, the shutter and the RayScene.
+// Prepares what `render` needs before it traces rays: the translated scene, its RayScene, the lens and the
+// shutter.
 #pragma once
 
 #include <optional>

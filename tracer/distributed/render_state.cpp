@@ -27,13 +27,13 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes the layout of the file, as JSON.
+/// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel:
-// - 3 for RGB
-// - per half: 1 for the sample count and 6 for each sum (three doubles)
-// A half has one sum per block, and one more for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel in the file of an unfinished render:
+// - 3 for the mean colour (RGB)
+// - for each half of the samples: 1 for the number of samples and 6 for each sum of radiance (three doubles)
+// A half has one sum per block of samples, and one more for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,7 +43,7 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file, one per 32-bit word of a pixel.
+/// Returns the OpenEXR channels for an unfinished render: one for each 32-bit word of a pixel.
 /// Each channel points to its word of the first pixel, or is null if `words` is null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
@@ -72,7 +72,7 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with every sum of a pixel, in the order of the file's channels.
+/// Calls `visit` with each sum of radiance of a pixel, in the order of the file's channels.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();
@@ -165,7 +165,7 @@ void RenderState::add(const RenderState& part) {
 
 namespace {
 
-/// Returns the sum of colour channel c over the samples of one half, for one pixel.
+/// Returns the sum of a pixel's radiance in colour channel c, over one half of its samples.
 double sum_of(const RenderState& s, std::size_t half, std::size_t pixel, std::size_t c) {
     const std::size_t values = 3 * s.samples[half].size();
     double sum = s.sums[half][3 * pixel + c];
@@ -242,7 +242,7 @@ std::unique_ptr<Imf::InputFile> opened(const std::filesystem::path& path, const 
     return nullptr;
 }
 
-/// Reads the pixels of a file into a state whose size and layout are already set.
+/// Reads the pixels of an unfinished render's file into `state`, whose size and layout are already set.
 void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     const Imf::Header& header = in.header();
     if (header.dataWindow() != Imath::Box2i({0, 0}, {state.width - 1, state.height - 1}))
@@ -269,7 +269,8 @@ void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     unpack(words, state);
 }
 
-// Returns the first setting in which two fingerprints (RenderSetup::fingerprint) differ, with both values.
+// Returns the first setting that differs between two renders, with both values, for an error message.
+// The arguments are JSON texts (RenderSetup::fingerprint).
 std::string first_difference(const std::string& found, const std::string& expected) {
     const nlohmann::json got = nlohmann::json::parse(found, nullptr, false);
     const nlohmann::ordered_json wanted = nlohmann::ordered_json::parse(expected);

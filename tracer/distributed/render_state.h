@@ -13,12 +13,13 @@
 namespace postlens {
 
 /// Largest number of blocks into which the samples of a pixel are divided.
-/// It is also the largest number of parts (--share), because a part consists of whole blocks.
+/// It also limits N in `--share I/N`, because each run renders whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance and sample counts per pixel, for up to two independent halves of the samples.
-/// The samples of a pixel are divided into blocks, whose sums are added in order.
-/// Runs that render different blocks (--share) therefore give bit-identical results.
+/// The result of an unfinished render: sums of radiance and numbers of samples per pixel.
+/// The samples form one set or two independent halves. Each is divided into blocks, whose sums are added in
+/// order.
+/// So the image does not depend on which run (--share) rendered which block.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
@@ -42,24 +43,27 @@ struct RenderState {
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file: the mean radiance so far (R, G, B), and the exact bits of all sums and counts.
-/// `settings` identifies the render. A non-empty `part_mark` marks a part of a render.
+/// Writes an unfinished render to an OpenEXR file: the mean radiance so far (R, G, B), and all sums and
+/// counts exactly.
+/// `settings` identifies the render. `part_mark` is not empty if the file is one of several to be merged
+/// (--share).
 /// Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
-/// A part of a render: some of the samples of every pixel.
+/// The result of one of several runs that share a render (--share): some of the samples of every pixel.
 struct RenderPart {
     RenderState state;
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render (--share), or with `facts_only` only its size, halves and exposure.
-/// Empty if the file is no such part. Throws Error(invalid_input) if the part is damaged.
+/// Reads a part of a render (--share), or with `facts_only` only its size, number of halves and exposure.
+/// Returns nothing if the file is not a part of a render. Throws Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file that write_state has written. `state` must have the size and `halves` of the render.
+/// Reads an unfinished render from a file that write_state has written.
+/// `state` must already have the size and number of halves of the render.
 /// Throws Error(invalid_input) if the file is damaged, has other `settings` or is not from write_state.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 

@@ -1,4 +1,5 @@
-// Traces rays through given lens points. Surfaces are shaded as in `render`.
+// Traces rays through given lens points, where an image made from recorded samples would be wrong.
+// Surfaces are shaded as in `render`.
 #pragma once
 
 #include <mutex>

@@ -1,5 +1,5 @@
-// Embree's callbacks for analytic shapes at rest or moving, and its filters for triangles.
-// A packet is a structure of arrays of N = 1, 4, 8 or 16 rays.
+// Embree's callbacks that intersect rays with analytic shapes (such as boxes and cones), at rest or moving.
+// Also filters for hits on triangles. A packet is 1, 4, 8 or 16 rays, stored as a structure of arrays.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -18,7 +18,7 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Removes the crossing nearest to t = 0. For a ray that starts on the shape, it is the ray's origin.
+// Removes the crossing nearest to t = 0 of a ray that starts on the shape, because it is the ray's origin.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;
@@ -32,7 +32,7 @@ void drop_start(Crossings<T>& c) {
     }
 }
 
-// Intersects one primitive with every valid ray of a packet.
+// Intersects every valid ray of an Embree packet with one primitive.
 // `of(rays, i)` returns the distances at which ray i crosses the primitive.
 template <typename Found>
 void intersect_item(const RTCIntersectFunctionNArguments* args, const Found& of) {
@@ -77,8 +77,9 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// All inputs are copied to local arrays before any result is stored.
-// Otherwise the compiler assumes that Embree's pointers alias, and does not vectorise the loop.
+// Makes a shape's crossing the hit of a ray if no nearer hit is known.
+// Copies all inputs first: the compiler assumes that Embree's pointers alias, and would not vectorise the
+// loop.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
                                                    const Rays& rays, const Hits& hits, const Pairs& pairs) {
@@ -118,7 +119,8 @@ POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* ar
     }
 }
 
-// Handles packets of 8 or 16 rays, the usual sizes with AVX or later. Returns false for other sizes.
+// Intersects a packet of 8 or 16 rays, Embree's usual sizes with AVX or later, with one shape.
+// Returns false for other packet sizes, and for shapes that packet_pairs does not support.
 bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
     const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
@@ -179,8 +181,8 @@ void occlude_moving(const RTCOccludedFunctionNArguments* args) {
                  [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
-// Embree rejects bounds beyond about 1.8e18, so they are clamped.
-// Boxes are also padded, because rays could miss a flat box due to float rounding.
+// Returns a bounding box for Embree, slightly enlarged: due to float rounding, rays could miss a flat box.
+// Coordinates are clamped, because Embree rejects bounds beyond about 1.8e18.
 RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);

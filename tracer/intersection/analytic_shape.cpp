@@ -16,8 +16,9 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// Returns a right-handed frame with the z axis `axis`, a unit vector. u is 0 along its x axis:
-// the object's +X made perpendicular to `axis`, or +Y if `axis` is close to X.
+// Returns a right-handed frame whose z axis is the unit vector `axis`.
+// Its x axis is the object's +X made perpendicular to `axis`, or +Y if `axis` is close to X.
+// The texture coordinate u is 0 on it.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -114,7 +115,8 @@ dmat3 tangential(const dvec3& n) {
     return dmat3(1) - glm::outerProduct(n, n);
 }
 
-// A point of the lateral surface of a cone. Its unnormalised normal is (outward, -k), of length `norm`.
+// Describes a cone at a point of its lateral surface. k is the change of radius per unit of height.
+// The normal (outward.x, outward.y, -k) has the length `norm`.
 struct ConeAt {
     double k, norm, rho;  // rho: distance from the axis
     dvec2 outward;        // unit, away from the axis

@@ -1,4 +1,5 @@
-// Shapes that are defined by a formula. An affine map places each shape's canonical frame in object space.
+// Shapes that are defined by a formula, such as a unit sphere.
+// An affine map transforms each from its own frame to object space.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -35,7 +36,8 @@ struct PlacedShape {
 /// Empty for a mesh.
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// The values of t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each.
+/// The distances t at which a line o + t d crosses a shape, unsorted, and the face or cap on which each
+/// crossing lies.
 template <typename T>
 struct Crossings {
     int count = 0;
@@ -46,18 +48,20 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Parts of a cone. For a box, the part is a face: 2 * axis (lower) or 2 * axis + 1 (upper).
+/// Numbers of a cone's parts: lateral surface, cap at the base, cap at the apex.
+/// A box's faces have the numbers 2 * axis (lower side) and 2 * axis + 1 (upper side).
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>
 [[nodiscard]] Crossings<T> crossings(const AnalyticShape& shape, const glm::vec<3, T>& o,
                                      const glm::vec<3, T>& d);
 
-/// Returns the outward unit normal at a point of the shape, in the local frame.
+/// Returns the outward unit normal at point `p` of the shape's face or cap `part`, in the shape's own frame.
 [[nodiscard]] glm::dvec3 local_normal(const AnalyticShape& shape, int part, const glm::dvec3& p);
-/// Returns the derivative of this normal, 1/length: dN = local_shape_operator * dP for dP within the surface.
+/// Returns the matrix S, 1/length, for which dN = S dP: if P moves by dP on the surface, the unit normal N
+/// changes by dN.
 [[nodiscard]] glm::dmat3 local_shape_operator(const AnalyticShape& shape, int part, const glm::dvec3& p);
-/// Returns the surface coordinates (u, v) of a point of the shape, in the local frame.
+/// Returns the texture coordinates (u, v) of point `p` of the shape, which is given in the shape's own frame.
 [[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
 
 }  // namespace postlens

@@ -27,7 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Estimates the largest position error, px, in a box if `taken` replaces the exact transform `truth`.
+// Estimates the position error, px, in a box if the object-to-world matrix `taken` replaces the exact matrix
+// `truth`.
 // The error in metres is convex, so it is largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {

@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// Tolerance, px, for the position error of a moving object in the image.
+/// How accurately moving meshes must be placed in the image. Their motion is approximated by linear steps.
 struct MotionAccuracy {
     /// Returns the scale of the image, px per metre, at a world point and an instant. 0 behind the camera.
     std::function<double(const glm::dvec3& world, double time_s)> px_per_m;
@@ -20,22 +20,24 @@ struct MotionAccuracy {
 /// Embree allows at most 129 time steps (instants) per geometry.
 inline constexpr int most_motion_steps = 128;
 
-/// Object-to-world matrices at two or more evenly spaced instants, from begin to end.
-/// Embree interpolates each entry of the matrices linearly.
+/// Object-to-world matrices of a moving mesh, at two or more evenly spaced instants.
+/// Between these instants, Embree interpolates each entry of the matrices linearly.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
     /// Largest position error, px, of a corner of the moving object's bounding box.
     /// It may exceed the tolerance, because the number of motion steps is limited.
     double error_px = 0;
 };
-/// Returns the smallest number of steps, a power of two, that keeps `box` within the tolerance.
-/// It is at most most_motion_steps. `box` is in object space, before `base`.
-/// No keyframe of the path may lie between begin and end.
+/// Approximates a motion by the smallest number of linear steps that keeps the error of `box` within the
+/// tolerance.
+/// The number is a power of two, at most most_motion_steps. `box` bounds the object before `base` and `path`
+/// move it.
+/// No keyframe of the path may lie between begin_s and end_s.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 
-/// Returns boxes at `steps` + 1 evenly spaced instants.
-/// The linear interpolation between these boxes contains the moving shape at every instant.
+/// Returns bounding boxes of a moving shape at `steps` + 1 evenly spaced instants, for Embree.
+/// Linear interpolation between them contains the shape at every instant.
 [[nodiscard]] std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape,
                                                 const glm::dmat4& base, double begin_s, double end_s,
                                                 int steps);

@@ -66,8 +66,8 @@ template <int N>
     }
 }
 
-// The first and the last crossing suffice, because a capped cone is convex.
-// Without caps, there are at most two crossings.
+// Finds the first and last crossing of N rays with a cone. A ray has no others:
+// a cone with caps is convex, and a cone without caps is crossed at most twice.
 template <int N>
 [[gnu::always_inline]] inline void cone_lanes(const AnalyticSet::Item& item, const Rays& rays, Pairs& out) {
     alignas(64) float o[3][N], d[3][N];

@@ -5,14 +5,15 @@
 
 namespace postlens {
 
-/// The distances of the first and last crossing of a shape, per ray. A missing crossing is infinite.
-/// The operations are in the order of the scalar code, so results are bit-identical.
+/// Per ray, the distances of its first and last crossing with a shape. A missing crossing is infinite.
+/// The distances are bit-identical to those of the scalar code.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Computes the crossings of n = 8 or 16 rays with `item`, which `geometry` and `primitive` identify.
-/// If a ray starts on `item`, the crossing at its origin is omitted. Returns false for other n or shapes.
+/// Finds where n = 8 or 16 rays cross the shape `item`. Returns false for other n or unsupported shapes.
+/// If a ray starts on the shape, the crossing at its origin is omitted. `geometry` and `primitive` identify
+/// the shape.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

@@ -11,7 +11,7 @@ inline const RayContext& context_of(const RTCIntersectContext* context) {
     return *reinterpret_cast<const RayContext*>(context);
 }
 
-// The fields of Embree's ray packet, in the order of RTCRay, with N values each.
+// Pointers into Embree's ray packet: one array of n values per field, in the order of RTCRay.
 struct Rays {
     float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;
@@ -22,7 +22,7 @@ struct Rays {
         id = reinterpret_cast<unsigned*>(f + 10 * n);
     }
 };
-/// The fields of Embree's hit packet that are used, in the order of RTCHit.
+/// Pointers into Embree's hit packet: the fields that are used, in the order of RTCHit.
 struct Hits {
     unsigned *primitive, *geometry, *instance;
     Hits(RTCRayHitN* rayhit, unsigned n) {
@@ -31,8 +31,8 @@ struct Hits {
     }
 };
 
-/// True if a new hit replaces an old one at the same distance.
-/// The result must not depend on the order in which Embree finds the hits.
+/// Decides which of two hits at the same distance counts. True if the new hit replaces the old one.
+/// The decision does not depend on the order in which Embree finds the hits.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =

@@ -56,7 +56,7 @@ double RayScene::offset(const dvec3& p) {
 
 namespace {
 
-// Copies 16 rays into Embree's packet. Entries after the end of the batch are disabled.
+// Copies 16 rays of a batch into an Embree packet. Entries after the end of the batch are disabled.
 template <typename Packet>
 void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
@@ -87,8 +87,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the time of the ray.
-// Embree 3.13 may report them for occlusion packets that span several keyframe intervals.
+// Rejects hits on mesh instances that do not exist at the time of the ray. Each exists between two keyframes.
+// Embree 3.13 may report them if the shadow rays of a packet span several of these intervals.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -101,7 +101,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one at a time, because Embree then reports every crossing only once.
+// Traces the shadow rays of a packet one at a time.
+// Embree then reports every crossing of a surface only once, so no transmittance is applied twice.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;

@@ -13,14 +13,14 @@
 
 namespace postlens {
 
-/// A shutter interval, in seconds. The `time` of a ray is 0 at its beginning and 1 at its end.
+/// A shutter interval, in seconds. Rays store their instant as a fraction of it, from 0 to 1.
 struct TimeSpan {
     double open_s = 0, close_s = 0;
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies a primitive: the one that a ray hits, or the one on which it starts and which it must not hit
-/// there.
+/// Identifies a primitive of the Embree scene: the one that a ray hits, or the one on which it starts.
+/// At its own start, a ray must not hit this primitive.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -28,8 +28,8 @@ struct HitKey {
     [[nodiscard]] bool valid() const { return geometry != none; }
 };
 
-/// A batch of rays, stored as a structure of arrays.
-/// The 16 rays of a group are traced together and should be coherent.
+/// A batch of rays, stored as a structure of arrays. Groups of 16 rays are traced together.
+/// The rays of a group should start close together and have similar directions.
 class RayBatch {
   public:
     static constexpr int group = 16;

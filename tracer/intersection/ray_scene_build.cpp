@@ -1,4 +1,4 @@
-// Builds a RayScene: its still and moving geometry, and Embree's acceleration structures.
+// Passes the still and moving objects of a scene to Embree, which builds its acceleration structures.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -151,8 +151,8 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// Adds one instance for each interval between two keyframes.
-// A single instance with equal time steps would smooth the kinks of the motion at keyframes.
+// Adds one Embree instance of a moving mesh for each interval between two keyframes.
+// A single instance with equal time steps would smooth the sudden changes of motion at keyframes.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;

@@ -1,4 +1,4 @@
-// Data for Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays.
+// Data for Embree's callbacks: the analytic shapes of the scene, and the context of a batch of rays.
 #pragma once
 
 #include <array>
@@ -14,8 +14,9 @@
 
 namespace postlens {
 
-/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point:
-/// transmittances are multiplied by adding integers, in any order.
+/// How an object affects shadow rays. Its transmittance is stored as -log2 in fixed point.
+/// Adding integers multiplies transmittances exactly, so the order in which a ray meets surfaces does not
+/// matter.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -25,12 +26,13 @@ inline constexpr std::int64_t log_opaque = std::int64_t{1} << 50;
 [[nodiscard]] std::int64_t fixed_log(double transmission);
 [[nodiscard]] double from_fixed_log(std::int64_t sum);
 
-/// The interval [begin, end) in which an instance exists, as fractions of the time span.
+/// Interval [begin, end) in which an Embree instance of a mesh exists, as fractions of the shutter interval.
 struct Lifetime {
     float begin = 0, end = std::numeric_limits<float>::infinity();
 };
 
-/// Context of a ray query. `base` must be the first member: Embree passes its address to the callbacks.
+/// What Embree's callbacks need to know about a batch of rays.
+/// `base` must be the first member: Embree passes its address to the callbacks.
 struct RayContext {
     RTCIntersectContext base{};
     const HitKey* sources = nullptr;        ///< per ray id; null if no ray starts on a surface
@@ -42,7 +44,9 @@ struct RayContext {
         nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// Objects that are spheres in world space, as a structure of arrays for packets of rays.
+/// The objects of a scene that are spheres in world space and do not move. Float values serve to find hits,
+/// and double
+/// values to compute them exactly.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -75,7 +79,7 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Analytic shapes that move. A ray is transformed into the space in which the shape is at rest.
+/// The moving analytic shapes of a scene. Rays are transformed into the space in which a shape is at rest.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -102,17 +106,19 @@ struct MovingSet {
     }
 };
 
-/// Each creates an Embree geometry that intersects the shapes of a set. The set must outlive the geometry.
+/// These functions create an Embree geometry that intersects rays with the shapes of a set.
+/// The set must outlive the geometry.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
-/// Filters for hits on triangles. `filter_source` rejects the primitive on which a ray starts.
-/// `filter_shadow` also rejects surfaces that transmit light or cast no shadow.
+/// Filters that Embree calls for hits on triangles. `filter_source` rejects the triangle on which a ray
+/// starts.
+/// `filter_shadow` also rejects, for shadow rays, surfaces that transmit light or cast no shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
-/// Counts `crossed` crossings of an object by a shadow ray. Returns true if the object blocks the ray.
+/// Attenuates a shadow ray that crosses an object `crossed` times. Returns true if the object blocks the ray.
 [[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
                                       int crossed) {
     const ObjectShadow& s = context.shadows[object];

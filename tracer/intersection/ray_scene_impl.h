@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-// A mesh as it is passed to Embree, and from which RayScene::surface computes hits.
+// A mesh as it is passed to Embree. Exact hit points (RayScene::surface) are computed from the same data.
 struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
     std::vector<glm::vec3> positions;  // in world space if `baked`, else in object space
@@ -23,7 +23,8 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space. `gradient1` and `gradient2` are the gradients of its barycentric coordinates.
+// A triangle in world space, from which exact hit points are computed.
+// `gradient1` and `gradient2` are the gradients of two barycentric coordinates.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
@@ -33,7 +34,8 @@ struct TriangleFrame {
     glm::dmat4 object_from_world;  // at the ray's time, if `surface` needs it (Impl::triangle)
 };
 
-// An instance of a mesh that is shared or moves. A moving mesh has several instances, one after the other.
+// An Embree instance of a mesh that moves or is shared by several objects.
+// A moving mesh has one instance for each interval between keyframes.
 struct InstanceGeometry {
     std::uint32_t object = 0;
     std::size_t mesh = 0;

@@ -1,4 +1,5 @@
-// Embree's callbacks for spheres. Embree passes rays as structures of arrays of N = 1, 4, 8 or 16 rays.
+// Embree's callbacks that intersect rays with spheres.
+// Embree passes N = 1, 4, 8 or 16 rays as a structure of arrays.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +15,7 @@ struct SphereF {
 };
 
 /// Computes both crossings of N rays with a sphere. If a ray misses it, near > far.
-/// Distances are measured from the ray's nearest point to the centre, to avoid cancellation.
+/// Starts from the point of the ray nearest to the sphere's centre, to avoid cancellation.
 template <int N>
 [[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
                                                  float* far) {
@@ -105,7 +106,8 @@ template <int N>
     }
 }
 
-// The templates are inlined into these functions and thus compiled for each instruction set.
+// Intersects a fixed number of rays with a sphere. The templates are inlined here, and so compiled for each
+// instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }

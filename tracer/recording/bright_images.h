@@ -1,5 +1,5 @@
 // Finds small bright objects seen in mirrors and glass, which rays at pixel corners may miss.
-// Quadtree cells that may contain such an image are subdivided.
+// Quadtree cells that may show one are subdivided.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white. `wanted` finds their images in mirrors and
-/// glass.
+/// The compact objects of a scene that are brighter than white.
+/// `wanted` finds the quadtree cells that may show them in mirrors and glass.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.

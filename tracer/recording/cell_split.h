@@ -1,4 +1,4 @@
-// Decides whether a quadtree cell is divided, from the records (shaded surface hits) at its corners.
+// Decides whether a quadtree cell is divided, from the surfaces recorded at its corners.
 #pragma once
 
 #include <array>

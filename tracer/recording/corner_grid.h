@@ -1,4 +1,4 @@
-// The grid of all corners of quadtree cells in a window, and the point samples at these corners.
+// The grid of all positions at which quadtree cells may have corners, and the samples traced at corners.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Position on the grid of cell corners, in units of 2^-levels px from the window's upper left corner.
+/// Position of a corner of a quadtree cell, relative to the upper left corner of the traced window.
+/// The unit is the width of the smallest cell, 2^-levels px.
 using CornerKey = std::uint64_t;  // y << 32 | x
 
 struct CornerGrid {
@@ -41,7 +42,8 @@ struct CornerGrid {
     }
 };
 
-/// A point sample at a corner: the properties that determine subdivision, and the range of its records.
+/// The sample traced at a corner of quadtree cells: what decides whether cells are divided, and which records
+/// it has.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
@@ -52,7 +54,7 @@ struct CornerSample {
     float r = 0, g = 0, b = 0;
 };
 
-/// A pixel or a part of one. It can be divided into quarters.
+/// A quadtree cell: a pixel or a part of one. It can be divided into quarters.
 struct CornerCell {
     std::uint32_t x, y;  ///< grid units, upper left
     std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
@@ -63,8 +65,8 @@ struct CornerCell {
     std::array<std::uint32_t, 5> between;
 };
 
-/// Returns the radiance of a record without its noisy part.
-/// Subdivision compares these radiances, because the contrast of noise would divide every cell.
+/// Returns the recorded radiance of a surface hit without the part that has sampling noise.
+/// Quadtree cells are divided where this radiance differs. Noise would divide every cell.
 [[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
     const Record& r = chunk.records[record];
     const glm::vec3 all(r.r, r.g, r.b);

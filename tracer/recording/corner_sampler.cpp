@@ -19,14 +19,14 @@
 namespace postlens {
 namespace {
 
-// A band is a group of pixel rows whose records are in memory at the same time.
+// Number of pixel rows, a band, whose records are in memory at the same time.
 // Two rows of squares of `tile` x `tile` px are enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band that contains row y ends.
-// Bands end at fixed rows, so records do not depend on the first row of the window.
+// Returns the row at which the band (group of rows in memory) that contains row y ends.
+// Bands end at fixed rows, so records do not depend on the first row that is traced.
 int end_of_band(int y) {
     return (floor_div(y, band_rows) + 1) * band_rows;
 }

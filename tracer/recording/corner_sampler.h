@@ -22,8 +22,8 @@ struct SubdivisionSettings {
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };
 
-/// The pixels to sample, [x_begin, x_end) x [y_begin, y_end).
-/// Samples lie at pixel corners, so column x_end and row y_end are recorded too.
+/// The pixels to sample: columns x_begin to x_end - 1 and rows y_begin to y_end - 1.
+/// Samples lie at pixel corners, so there are also samples at x_end and y_end.
 struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };

@@ -1,4 +1,4 @@
-// Predicts the size of a sample file from a preview pass, which traces a few rows.
+// Predicts the size of a sample file by tracing a few rows first (preview pass).
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace postlens {
 
-/// Returns how many of a window's `rows` rows the preview pass traces: 2 of every 96, but 8 to 64.
-/// It is at most `rows`.
+/// Returns how many of an image's `rows` rows are traced to predict the size of the sample file.
+/// It is 2 of every 96, but at least 8 (if there are so many) and at most 64.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.
-/// It is extrapolated from evenly spaced pairs of rows to all rows and recorded instants.
+/// Pairs of rows are traced, evenly spaced, and their size is extrapolated to all rows and recorded instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

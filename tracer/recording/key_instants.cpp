@@ -21,10 +21,12 @@ namespace {
 
 using glm::dvec3;
 
-// Number of equal steps of the shutter interval. Rotations in a step must be less than 180 degrees.
+// Number of equal steps into which the shutter interval is divided to measure motion.
+// A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes scale an object, a recorded instant must show it at this fraction of its largest scale.
+// If keyframes scale an object, a recorded instant must show it at this fraction of its largest scale or
+// more.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -41,7 +43,7 @@ struct View {
     }
 };
 
-// Returns `views` and the camera's views at the keyframes `keys` between them, sorted by time.
+// Returns the poses of the camera in `views` and at the keyframes `keys` between them, sorted by time.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -57,7 +59,8 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns `count` + 1 evenly spaced instants and the keyframes of `motions` between them, sorted.
+// Returns `count` + 1 evenly spaced instants of the shutter interval and the keyframes of `motions` within
+// it, sorted.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -94,8 +97,9 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether part of a moving sphere is in front of the camera and between the frame's edges.
-// `centre` and `radius_m` describe it before the motion `pose`.
+// Returns whether part of a moving sphere may be in view: in front of the camera and between the frame's
+// edges.
+// `centre` and `radius_m` describe the sphere before the motion `pose` is applied.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
@@ -111,7 +115,8 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether part of a box is in front of the camera. `box` is its state before the motion `pose`.
+// Returns whether part of a moving box is in front of the camera. `box` is given before the motion `pose` is
+// applied.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,

@@ -1,4 +1,4 @@
-// Chooses the instants of a shutter interval at which a scene is recorded.
+// Chooses the instants of the shutter interval at which a moving scene is traced and recorded.
 #pragma once
 
 #include <string>
@@ -11,16 +11,17 @@
 
 namespace postlens {
 
-/// Returns the greatest total angle, degrees, by which the direction from an object's centre to the camera
-/// turns in the object's frame. It is 0 if the camera only pans or rolls.
+/// Returns the total angle, degrees, by which the direction from an object's centre to the camera turns, seen
+/// from
+/// the object. The object with the greatest angle counts. Panning and rolling the camera do not.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, by which the optical axis of a perspective camera turns.
+/// Returns the total angle, degrees, by which the camera turns its optical axis. 0 if it is orthographic.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
-/// A panning camera needs one key (recorded instant) per such angle.
+/// If the camera pans, the scene must be recorded once per such angle.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -36,13 +37,15 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced keys (recorded instants), `at_least` to 64, that show all
-/// objects. Each time span in which an object is in view must contain a key or `recorded_s`. Time spans that
-/// are too short for 64 keys are ignored.
+/// Returns the smallest number of evenly spaced recorded instants (keys), `at_least` to 64, that show every
+/// object.
+/// Each time span in which an object is in view must contain a key or `recorded_s`.
+/// Time spans that are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns the number of keys (recorded instants) that the scene needs. Keys are needed for:
+/// Returns at how many instants (keys) of the shutter interval the scene must be recorded. Keys are needed
+/// for:
 /// - turning objects: one key per `degrees_per_key`
 /// - a panning camera
 /// - objects that are in view, large or around the camera only for a short time
@@ -51,7 +54,7 @@ struct KeyCount {
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
 
-/// Returns the number of keys (recorded instants) for a turn by `sweep_degrees`.
+/// Returns the number of recorded instants (keys) that an object needs if it turns by `sweep_degrees`.
 /// It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 

@@ -18,14 +18,16 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps of the shutter interval. The light at each point is measured at the ends of the steps.
+// Number of equal steps into which the shutter interval is divided, to measure the light on surfaces between
+// them.
 constexpr int light_steps = 64;
 
-// Smallest number of steps between two keys (recorded instants).
-// One step would give 65 keys, but a file has at most 64 (SampleHeader::most_keys).
+// Recorded instants (keys) are at least this number of time steps apart.
+// With one step, there would be 65 keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of rays along the longer side of the grid that finds the surface points to measure.
+// Number of rays along the longer side of the image. The grid of rays finds surface points at which light is
+// measured.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -34,7 +36,8 @@ struct Point {
     dvec3 rest{0};
 };
 
-/// The radiance of a point at every instant at which the camera sees it.
+/// Radiance of one surface point at each measured instant. Empty at instants at which the camera does not see
+/// it.
 using History = std::vector<std::optional<dvec3>>;
 
 class LightChange {

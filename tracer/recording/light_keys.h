@@ -1,4 +1,4 @@
-// Determines how many recorded instants (keys) reproduce light that changes during the shutter interval.
+// Determines at how many instants (keys) a scene must be recorded if its light changes during the exposure.
 #pragma once
 
 #include "scene/scene.h"

@@ -14,7 +14,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-/// A part of a segment. Its ends are fractions of the length of the segment.
+/// A part of a line segment. Its ends are fractions of the length of the segment.
 struct Range {
     double begin = 0, end = 1;
 };

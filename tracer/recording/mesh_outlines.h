@@ -1,5 +1,5 @@
-// Finds the outlines of meshes on the film. They reveal parts that lie between the corners of
-// a quadtree cell, such as the tip of a leaf.
+// Finds the outlines of meshes in the image. Where one crosses a quadtree cell, a part may lie
+// between the cell's corners, such as the tip of a leaf.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// The outlines of meshes on the film: edges of a single triangle, and edges between
+/// The outlines of meshes in the image: edges that belong to only one triangle, and edges between
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:

@@ -12,7 +12,7 @@ namespace {
 constexpr int step_px = 8;
 constexpr int largest_px = 4096;
 
-// Returns the radius, px, of the widest circle of confusion among the surfaces that one sample sees.
+// Returns the radius, px, of the largest circle of confusion of all surfaces that one sample sees.
 double widest_radius_px(const FocusGeometry& lens, std::span<const Record> records) {
     double widest = 0;
     for (const Record& r : records) {
@@ -30,8 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns whether a surface at `at`, outside the frame, moves to within one sample spacing of the frame.
-// Parts of it between the samples may then enter the frame.
+// Returns whether a surface seen at `at`, outside the frame, moves into the frame or close to it.
+// Close means one sample spacing: parts of the surface between the samples may then enter the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

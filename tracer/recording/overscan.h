@@ -1,4 +1,5 @@
-// Computes the overscan: the margin around the frame from which light blurs or moves into the frame.
+// Computes the overscan: how many pixels around the frame are traced, because their light blurs or moves into
+// it.
 #pragma once
 
 #include <optional>
@@ -10,9 +11,9 @@
 
 namespace postlens {
 
-/// Returns the overscan, px, found by a coarse trace around the frame with one sample per 8 px.
-/// It includes every sample whose light the lens or `motion` (may be null) brings into the frame.
-/// It is at most half of the frame's longer side, and at most 4096 px.
+/// Returns how many pixels around the frame must be traced, found by a coarse trace with one sample per 8 px.
+/// They include every sample whose light the lens or `motion` (may be null) brings into the frame.
+/// The number is at most half of the frame's longer side, and at most 4096.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

@@ -9,11 +9,13 @@
 
 namespace postlens {
 
-/// Returns the motion of the camera, of the moving objects with their bounding spheres, and of the lights.
-/// Lights at rest are included if objects move. Of shapes with one id, the first one's motion is used.
+/// Returns the motion that a sample file stores: of the camera, of moving objects with their bounding
+/// spheres, and of
+/// lights. Lights at rest are included if objects move.
+/// If several shapes have the same id, the motion of the first is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns, ascending, the ids of shapes that have the same id but different keyframes.
+/// Returns, ascending, the object ids that several shapes with different keyframes share.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -18,14 +18,14 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Number of pieces into which a long object is divided. Each piece has one width and depth.
+// Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// Largest number of times that the piece at the tip of a cone is halved. The remaining tip is narrow.
+// Largest number of times that the piece at the tip of a cone is halved, so that its width changes less.
 constexpr int most_halves = 16;
-// Width of the smallest cells, px. Cell corners may miss a narrower object.
+// Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// The centre and the three half axes of an ellipsoid that approximates an object.
+// An ellipsoid that approximates an object: its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
@@ -46,14 +46,15 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box with extents `sides`. The columns of `turn` are its directions.
+/// Returns the centre and half axes of a box. `sides` are its extents along the directions in the columns of
+/// `turn`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the axes of a box around all points. Of two boxes, the one with the smaller surface is used.
-/// The first is parallel to the coordinate axes, the second suits objects of any direction.
+/// Returns a box around all points: the one of two with the smaller surface.
+/// One is parallel to the coordinate axes, and one is turned towards the point farthest from the centre.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -106,7 +107,7 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Returns the ellipsoids that approximate the parts of a shape, in object space. Empty for a plane.
+/// Approximates each part of an object by an ellipsoid, in object space. A plane has none.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -141,7 +142,8 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// Linear approximation of the camera's projection near a point, for small objects.
+// Linear approximation of the camera's projection near a point. It gives the size of small objects in the
+// image.
 struct Sight {
     Sight(const CameraModel& of, const dvec3& point)
         : camera(of), perspective(of.projection == Camera::Projection::perspective) {
@@ -161,8 +163,8 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate ones. The images of the first two are the half axes
-// of an ellipse, the longer one first. The third is along the line of sight.
+// Replaces the half axes of an ellipsoid: the first two project to the half axes of its outline in the image,
+// an ellipse, the longer one first. The third is along the line of sight.
 // Returns the ratio of the ellipse's axes, at least 1, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
