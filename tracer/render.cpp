@@ -30,8 +30,9 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Renders the image in tiles, and each tile in rounds of a few samples per pixel.
-// The radiance is always added in the same order, so threads and interruptions change nothing.
+// Renders an image in tiles, a few samples per pixel at a time.
+// Radiance is always added in the same order, so the number of threads and interruptions do not change the
+// image.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -207,7 +208,8 @@ class Renderer {
     RayCounts counts_;
 };
 
-// Traces all unfinished rounds. Calls `pause` several times a second, between parallel loops.
+// Renders all samples that are still missing. Calls `pause` several times a second, while no tile is being
+// rendered.
 void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();

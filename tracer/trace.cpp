@@ -24,7 +24,7 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Distance outside the recorded window, px, up to which depth edges are searched.
+// Width, px, of a margin around the traced window in which depth edges are searched.
 // A lens may see past these edges. Edges farther out would affect only the window's border.
 constexpr int beyond_records_px = 32;
 
@@ -74,7 +74,7 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One recorded instant: the scene, the camera, and which hidden surfaces are recorded.
+// One instant at which the scene is recorded: scene, camera, and which hidden surfaces are recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -135,7 +135,7 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Divides the radiance of records by the scene's exposure, because sample files store it without exposure.
+// Divides recorded radiance by the scene's exposure, because sample files store radiance without exposure.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -153,7 +153,7 @@ class Radiance {
     RecordBand band_;
 };
 
-// Returns the radius, m, of the widest lens for which the sample file is made.
+// Returns the radius, m, of the widest lens for which images will be made from the sample file.
 // Its f-number is `for_f_number`, else that of the camera, else 1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
@@ -163,7 +163,7 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant.
+// Returns how many pixels around the frame (overscan) the lens and the shutter need at one recorded instant.
 // `motion` predicts the positions of surfaces at other instants. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
@@ -181,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants between the recorded instants before and after `at_s`.
-// The records of `at_s` are reprojected to such instants.
+// Returns instants between the recorded instants before and after `at_s`, at which motion is examined.
+// Images at these instants are made from the records of `at_s`.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;

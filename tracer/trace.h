@@ -90,7 +90,8 @@ struct TraceResult {
     std::string keys_reason;
 };
 
-/// Throws Error(out_of_memory), with the size, if the trace certainly needs more memory than is available.
+/// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than is
+/// available.
 /// trace_to_file repeats this check once it has found the overscan.
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
@@ -99,7 +100,8 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// The scene's exposure is stored separately from the radiance. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header of a trace with these settings that records only the frame's own instant.
+/// Returns the header of the sample file that these settings give if only the frame's own instant is
+/// recorded.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

@@ -200,8 +200,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides an object into pieces with straight axes, and calls take(from, to, half) for each.
-/// `from` and `to` are the ends of a piece's axis, and `half` are its half axes.
+/// Divides an object into straight pieces, and calls take(from, to, half) for each.
+/// `from` and `to` are the ends of the piece's axis, and `half` holds its three half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;

@@ -1,5 +1,5 @@
-// Finds objects so narrow on the film that rays at pixel corners may miss them, such as hairs.
-// Cells near these objects are subdivided until a corner must hit them.
+// Finds objects so narrow in the image that rays at pixel corners may miss them, such as hairs.
+// Quadtree cells near these objects are subdivided until a corner must hit them.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,9 @@
 
 namespace postlens {
 
-/// Narrow objects that are seen directly, and bright objects in mirrors and glass (`images`).
-/// Each part of a mesh counts as an object. Planes and wide parts are not included.
+/// The narrow objects of a scene that are seen directly, and bright objects seen in mirrors and glass
+/// (`images`).
+/// Each connected part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
     /// Objects up to this width, px, are searched for. Wider objects cannot lie between the corners of a

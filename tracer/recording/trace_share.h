@@ -1,4 +1,4 @@
-// Traces a share of a frame (some of its rows), so that several runs can divide the work.
+// Traces only some rows of a frame (a share), so that several runs can divide the work.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// Returns the rows of one share of a frame's rows [y_begin, y_end). Shares differ by at most one row.
-/// Throws Error(wrong_arguments) if there are more shares than rows.
+/// Returns which of the rows [y_begin, y_end) one of several runs traces. Runs differ by at most one row.
+/// Throws Error(wrong_arguments) if there are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces the rows of `window` that belong to the share, like sample_corners.
-/// For every other row, `take` receives records of rays that hit nothing (records/lost_rows.h).
+/// Traces the rows of `window` that belong to one of several runs, like sample_corners.
+/// For rows of other runs, `take` receives records of rays that hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

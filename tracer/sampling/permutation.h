@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`.
-/// It repeats a bijection of b-bit numbers, where 2^b >= n, until the result is less than n.
+/// A random permutation of 0 .. n - 1, for any n in 1 .. 2^30, selected by `key`.
+/// A bijection of b-bit numbers, where 2^b >= n, is applied until the result is less than n.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {

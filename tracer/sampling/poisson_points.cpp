@@ -11,14 +11,15 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance of two points on the torus, at most 2^63, in units of 2^-64.
+/// Returns the squared distance between two points on the torus [0, 1)^2, in units of 2^-64. It is at most
+/// 2^63.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// Finds nearby points quickly. A cell of the grid contains at most one point.
+/// Grid that finds the points near a position. Its cells are so small that each contains at most one point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -97,7 +98,7 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes `count` samples of one block, where count is 1 to 16.
+/// Writes `count` random points for samples of a pixel, 1 to 16, from one precomputed pattern.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);

@@ -9,28 +9,30 @@
 
 namespace postlens {
 
-/// Points on the torus [0, 1)^2, in integer units of 2^-32, so that adding a shift wraps around.
+/// Points on the torus [0, 1)^2. Their coordinates are integers in units of 2^-32, so adding a shift wraps
+/// around.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
 
-/// Returns the distance between neighbours in the densest (hexagonal) arrangement of n points per unit area.
-/// It is sqrt(2 / (sqrt(3) n)).
+/// Returns the largest possible minimum distance between n points per unit area: sqrt(2 / (sqrt(3) n)).
+/// Points on a hexagonal grid have this distance.
 [[nodiscard]] double densest_distance(int n);
 
-/// Returns n random points on the torus, where n is 1 to 1024.
-/// Their distances are at least `poisson_distance_share` * densest_distance(n).
+/// Returns n random points on the torus [0, 1)^2, where n is 1 to 1024.
+/// All points are at least `poisson_distance_share` * densest_distance(n) apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower:
-/// the last point fits in one of a hundred tries at 0.7, and typically in none at 0.777.
+/// Minimum distance of random points, as a fraction of the largest possible one (densest_distance).
+/// At 0.7, one of a hundred random positions suits the last point. At 0.777, there is usually none.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n random points on the circle [0, 1) with distances of at least poisson_distance_share / n.
-/// These are uniform points on a shorter circle, with this distance inserted after each.
+/// Returns n random points on the circle [0, 1), at least poisson_distance_share / n apart.
+/// They are uniform points on a shorter circle, with this distance inserted after each.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
-/// Poisson-disc points for the samples of a pixel: one of `patterns` patterns, shifted and in random order.
-/// More than 1024 samples are divided into blocks of almost equal size.
+/// Poisson-disc points for the samples of a pixel: one of several precomputed patterns, shifted and in random
+/// order.
+/// More than 1024 samples are divided into blocks of almost equal size, each with its own pattern.
 class PoissonPoints {
   public:
     static constexpr int patterns = 8;

@@ -1,4 +1,5 @@
-// Point sets for distributed rays: the position of each ray in the pixel, on the lens and in the shutter.
+// Random numbers for eye rays: the position of each ray in the pixel, on the lens and in the shutter
+// interval.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@
 
 namespace postlens {
 
-/// How the points of a set (SampleSet) are distributed within a pixel. Sets are paired at random.
-/// With `sobol`, the sets for pixel, lens and time are also well distributed jointly.
+/// How the samples of a pixel are distributed. Positions in the pixel, lens points and instants are paired at
+/// random.
+/// With `sobol`, they are also well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -22,24 +24,25 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three are the pixel, lens and time samples of an eye ray.
-/// `sample_set` makes all others.
+/// Identifies one of several independent sets of random points. The first three are for an eye ray's position
+/// in the pixel, lens point and instant. `sample_set` makes all others.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the point set for a purpose, such as an area light, and two further numbers, such as path and
-/// light. The result is never a set of an eye ray. Different arguments give different sets, except with a
-/// probability of 2^-32.
+/// Returns a set of random points for a purpose, such as an area light, and two more numbers, such as path
+/// and light.
+/// It differs from the sets for eye rays. Sets for different arguments are the same with a probability of
+/// 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Returns numbers in [0, 1), multiples of 2^-24. They depend only on kind, spp, seed, pixel, set and index,
-/// not on the instruction set. The 1D and 2D points of a set are independent of each other.
+/// Random numbers in [0, 1), multiples of 2^-24, for the samples of pixels. They depend only on kind, spp,
+/// seed, pixel, set and index, not on the instruction set. The 1D and 2D points of a set are independent.
 /// All samples of a pixel must be used, because a subset may not be well distributed.
 class Sampler {
   public:

@@ -16,8 +16,8 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal.
-/// (a + 0.5) / d is 0.5 / d or more away from any integer, so quotients of up to 2^24 are exact.
+/// Divides by an integer, up to 2^20, by multiplying by its reciprocal.
+/// Quotients up to 2^24 are exact, because (a + 0.5) / d is 0.5 / d or more away from any integer.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -32,7 +32,8 @@ struct Divisor {
     }
 };
 
-/// Returns the integer at the fraction `share`, in [0, 1), of [begin, end), rounded down.
+/// Returns the integer that lies at the fraction `share`, in [0, 1), of the interval [begin, end), rounded
+/// down.
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }
@@ -46,7 +47,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes the position of each point within its cell, as 24-bit fractions in [0, 1).
+/// Computes where each stratified sample point lies within its cell: a multiple of 2^-24 in [0, 1) per axis.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);

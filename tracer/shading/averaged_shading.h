@@ -1,5 +1,5 @@
-// Counts the materials that reflect or refract into a lobe, and the lights that have an area.
-// A trace records only the mean radiance over a lobe or area.
+// Counts a scene's glossy materials, which reflect or refract into a lobe, and its area lights.
+// A sample file holds only the mean radiance over the lobe or the light.
 #pragma once
 
 #include <cstdint>

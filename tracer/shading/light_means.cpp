@@ -22,13 +22,14 @@ dvec2 jitter(std::uint64_t seed, std::uint32_t index) {
             static_cast<double>(unit_float(random_word(seed, 2 * index + 1)))};
 }
 
-// Returns a random point within cell (i, j) of k x k cells.
+// Returns a random point (u, v) of an area light, within cell (i, j) of k x k cells.
 dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
     return (dvec2(i, j) + jitter(seed, static_cast<std::uint32_t>(k * k + j * k + i))) /
            static_cast<double>(k);
 }
 
-// Returns point i of the twelve that test the visibility of an area light: 8 on its outline and 4 inside.
+// Returns point i of the twelve at which the visibility of an area light is tested: 8 on its outline and 4
+// inside.
 // On a sphere, the outline points are rotated at random. Fixed ones would always miss the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
@@ -54,8 +55,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// Returns the mean over the light of the radiance that the surface reflects, without shadows.
-// Cells shrink until the mean settles and they are narrower than the highlight.
+// Returns the radiance that a surface reflects from an area light without shadows, averaged over the light.
+// The light is divided until the mean settles and its cells are narrower than the highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));
@@ -72,7 +73,8 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns k, for which the standard deviation of a record is 2/255 of white (radiance 1).
+// Returns the k for which k x k shadow rays give a record a standard deviation of 2/255 of white (radiance
+// 1).
 // A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5) for a radiance L.
 // A pixel, the mean of at least four records, then has at most 1/255.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
@@ -82,7 +84,7 @@ int cells_for(const ExtentLit& p, const dvec3& radiance) {
         std::clamp(k, static_cast<double>(fewest_cells), static_cast<double>(LightMeans::most_cells)));
 }
 
-// Adds the shadow ray from the surface point to the light point for which `lit` was computed.
+// Adds the shadow ray from a surface point to the point of a light for which `lit` was computed.
 void send(const ExtentLit& p, const Lit& lit, RayBatch& rays) {
     rays.add(lit.origin, lit.segment, lit.reach, p.key);
 }

@@ -1,5 +1,5 @@
-// Computes the radiance that a surface point reflects from an area light, averaged over its area.
-// A record can store this mean: a penumbra looks the same from every lens point.
+// Computes the radiance that a surface point reflects from an area light, averaged over the light.
+// It can be stored with the surface, because a penumbra looks the same from every lens point.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// A surface point that is lit by one light source with an area.
+/// A surface point that is lit by an area light, and the radiance that results.
 struct ExtentLit {
     const PlacedLight* light = nullptr;
     const Material* material = nullptr;
@@ -29,10 +29,10 @@ struct ExtentLit {
     glm::dvec3 steady{0};
 };
 
-/// Averages the radiance over an area light.
-/// First, twelve shadow rays test its visibility: eight to its outline and one to each quarter.
-/// If all agree, the result is the unshadowed mean times their transmittance.
-/// Otherwise the light is divided into k^2 cells. One jittered point of each is shaded with a shadow ray.
+/// Computes the mean radiance that a surface reflects from an area light.
+/// First, twelve shadow rays test the light's visibility: eight to its outline and one to each quarter.
+/// If their transmittances agree, the result is the unshadowed mean times the transmittance.
+/// Otherwise the light is divided into k x k cells, and a shadow ray is sent to a random point of each.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

@@ -25,7 +25,7 @@ double distance_to_segment(const dvec3& a, const dvec3& b, const dvec3& p) {
     return glm::length(p - a - share * along);
 }
 
-// Returns a lower bound of the distance from p to a moving object, m.
+// Returns a lower bound of the distance, m, between p and a moving object, at any time.
 // The object's origin moves straight between keyframes. Its surface stays within a ball around the origin.
 double distance_to_moving(const Object& o, const dvec3& p) {
     const Bounds rest = shape_bounds(o.shape, o.motion_base);
@@ -58,7 +58,8 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// Returns an upper bound of a light's intensity at any surface, with the attenuation by distance.
+// Returns an upper bound of the light that any surface receives from one light source, attenuated by
+// distance.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

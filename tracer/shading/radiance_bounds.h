@@ -1,4 +1,4 @@
-// Upper bounds of the radiance along a ray. Rays that cannot contribute visibly are not traced.
+// Upper bounds of the radiance along a ray, by which rays that cannot contribute visibly are omitted.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,9 @@
 
 namespace postlens {
 
-/// Returns upper bounds of radiance. Element k, 0 to max_depth, is for shading trees at most k nodes deep.
-/// A bound of 1e100 or more means none, as near a light whose intensity grows without limit.
+/// Returns upper bounds of the radiance along a ray. Element k is for rays followed over at most k surfaces.
+/// A value of 1e100 or more means that there is no bound, as near a light whose intensity grows without
+/// limit.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Whitted's shading model [whitted1980], which all tracers use: the radiance of a surface along a ray,
-// light by light, and the directions and weights of reflected and refracted rays.
+// Whitted's shading model [whitted1980]: the radiance of a surface along a ray, light by light,
+// and the directions and weights of reflected and refracted rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -11,7 +11,7 @@ namespace postlens {
 
 [[nodiscard]] double largest(const glm::dvec3& v);
 
-/// The normals of a surface, turned to the side of the incoming ray.
+/// The shading normal and the geometric normal of a surface, turned to the side from which the ray comes.
 struct Facing {
     glm::dvec3 normal{0}, geometric_normal{0};
     double sign = 1;      ///< -1 if the normals were reversed
@@ -20,10 +20,10 @@ struct Facing {
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns the ambient term and the emission, which do not depend on light sources.
+/// Returns a surface's radiance without light sources: its emission and the ambient term.
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
-/// Returns the surface colour at the hit. It multiplies the ambient and diffuse terms.
+/// Returns the surface colour at a hit, by which the ambient and diffuse terms are multiplied.
 [[nodiscard]] glm::dvec3 surface_colour(const Material& m, const SurfacePoint& s);
 
 /// A light source at one instant.
@@ -33,10 +33,10 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Returns the light at one instant. `motion` is the value of the light's keyframes at this instant.
+/// Returns where a light is at one instant. `motion` is the matrix that its keyframes give for this instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
-/// Returns a point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`.
+/// Returns the point on a light source for random numbers (u, v) in [0, 1)^2, as seen from the point `from`.
 /// Spheres are sampled uniformly in solid angle, and rectangles uniformly in area.
 /// For any other light, returns its position.
 [[nodiscard]] glm::dvec3 light_point(const PlacedLight& placed, const glm::dvec3& from, const glm::dvec2& uv);
@@ -50,16 +50,17 @@ struct Lit {
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the radiance that a surface reflects or transmits from a light, without occlusion.
+/// Returns the radiance that a surface reflects or transmits from one light, without shadows.
 /// `at` is a point on the light (light_point). `direction` is that of the ray that sees the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
 
-/// Returns (1 - cosine)^5, the weight of grazing reflectance [schlick1994, eq. 24].
+/// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// The reflected and the refracted ray at a hit: weights, and what determines their directions.
+/// How light continues at a hit: the weights of the reflected and the refracted ray, and what determines
+/// their directions.
 struct Continuation {
     /// Factors by which the radiance of the reflected and the refracted ray is multiplied.
     /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.
@@ -68,15 +69,16 @@ struct Continuation {
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Returns the direction of the reflected ray, unit length. Sets `inwards` if the interpolated normal
-/// would reflect the ray into the surface. The geometric normal is then used.
+/// Returns the direction of the reflected ray, unit length. If the interpolated normal would reflect it into
+/// the
+/// surface, the geometric normal is used and `inwards` is set.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
-/// True if the lobe cos^exponent is wider than the lens, as seen from the surface.
-/// Its width is 1 / sqrt(exponent), rad. `distance_m` is the path length to the lens.
+/// True if a glossy lobe, cos^exponent, is wider than the lens, as seen from the surface.
+/// The lobe's width is 1 / sqrt(exponent), rad. `distance_m` is the path length to the lens.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

@@ -6,7 +6,7 @@
 namespace postlens {
 namespace {
 
-/// Returns the record with this path (sequence of bounces) in `layer`, else in layer 0, else null.
+/// Returns the recorded surface hit with this sequence of bounces, in `layer`, else in layer 0, else null.
 /// A mirror or glass in front of a hidden surface is recorded only in layer 0.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
@@ -28,7 +28,7 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the records of one sample that bounced like a given node, at the same objects.
+/// Summary of those surfaces of one sample that are seen in the same mirrors and glass as a given surface.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -1,5 +1,5 @@
-// Estimates `w_bend` of a node from samples around it, which saves rays.
-// `w_bend` is the second-order motion of the node's image over the lens. W is the first order.
+// Estimates the nonlinear motion `w_bend` of a surface's image from samples around it, which saves rays.
+// The image moves when the lens point moves. The matrix W describes its linear motion.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ namespace postlens {
 /// Records of four point samples, stored as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// A node, and the ids of the objects at which its path reflects or transmits, in order from the eye.
+/// A surface hit after reflections or refractions, and the ids of the mirrors and glass objects, in order
+/// from the eye.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -22,11 +23,12 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest of similar nodes in the four samples.
-/// Similar nodes have the same path and bounced at the same objects.
+/// Estimates `w_bend`, 1/m^2, the nonlinear motion of a surface's image over the lens, from four samples
+/// around it.
+/// The result is the greatest value of similar surface hits, with bounces at the same objects as `node`.
 /// Empty if the value at `node` may be different:
-/// - A sample has no similar node.
-/// - No similar node lies on the object of `node`.
+/// - A sample has no similar hit.
+/// - No similar hit lies on the object of `node`.
 /// - The greatest value exceeds `little`, and the samples do not agree within a factor of two on this object.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);

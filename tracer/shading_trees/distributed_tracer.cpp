@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Kinds of random decisions at a node, each with its own sample set (sample_set).
+// Kinds of random decisions at a surface hit. Each has its own set of random points (sample_set).
 enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
@@ -29,16 +29,16 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped, after all its light has been summed.
-/// The light above the clamp is added to the image as highlights (LightElsewhere).
+/// A surface hit whose radiance is clamped, after all its light has been summed.
+/// The light above the clamp is added to the image elsewhere, as highlights (LightElsewhere).
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Clamps the radiance of a node to LightElsewhere::above and adds it to its ray.
-/// If `counts` is true, adds the rest to EyeRays::left_out.
+/// Clamps the radiance of a surface hit to LightElsewhere::above and adds it to that of the eye ray.
+/// If `counts` is true, adds the light above the clamp to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;

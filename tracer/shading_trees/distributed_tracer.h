@@ -23,7 +23,7 @@ struct DistributedSettings {
     bool roulette = false;
 };
 
-/// Eye rays, the samples from which they are made, and their radiance.
+/// A batch of eye rays, the random samples from which they are made, and the radiance that they see.
 struct EyeRays {
     RayBatch rays;
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
@@ -95,7 +95,8 @@ class DistributedTracer {
     bool moving_lights_ = false;
 };
 
-/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2.
+/// Returns a random direction in a glossy lobe, cos^exponent about `axis` [phong1975], for (u, v) in [0,
+/// 1)^2.
 /// Returns `axis` if the exponent is infinite.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 

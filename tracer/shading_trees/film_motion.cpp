@@ -17,7 +17,7 @@ namespace {
 // Testing more bounding balls would take longer than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// A smaller motion of the pinhole may be a rounding error, so the camera is assumed only to rotate.
+// If the pinhole moves by less than this, the camera is assumed only to rotate: it may be a rounding error.
 // The value is relative to 1 m plus the distance of the pinhole from the origin.
 constexpr double still = 1e-9;
 

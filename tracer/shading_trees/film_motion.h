@@ -1,5 +1,5 @@
-// Predicts where a recorded surface point is on the raster at other instants.
-// It uses the motion of the camera and of the object with the point's id.
+// Predicts where a surface point recorded at one instant lies on the raster at other instants.
+// The prediction uses the motion of the camera and of the point's object.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,7 @@ class FilmMotion {
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// Returns the instants at which motion during a shutter interval is sampled, ascending:
+/// Returns the instants of a shutter interval at which motion is examined, ascending:
 /// - nine evenly spaced instants, including both ends
 /// - `recorded_s`
 /// - the keyframes within the interval; of more than 32, 32 are chosen quasi-randomly

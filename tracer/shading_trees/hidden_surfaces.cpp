@@ -14,7 +14,7 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Largest number of crossings of one ray. It limits the time for rays through foliage.
+// Largest number of surfaces through which one ray is followed. It limits the time for rays through foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -214,7 +214,7 @@ class Follower {
     std::vector<HiddenHit>& out_;
 };
 
-// Sorts the hidden surfaces of `rays` rays by ray. Those of one ray keep their order.
+// Sorts hidden surfaces by the index of the ray that found them. Those of one ray keep their order.
 void order_by_ray(const std::vector<HiddenHit>& found, std::size_t rays, std::vector<HiddenHit>& out) {
     thread_local std::vector<std::uint32_t> next;
     next.assign(rays + 1, 0);

@@ -1,5 +1,5 @@
 // Finds hidden surfaces: those that an eye ray would hit next if it passed through its first hit.
-// A wide lens sees them past edges, and an open shutter after motion.
+// A wide lens sees them past edges, and motion uncovers them during the exposure.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +39,8 @@ struct HiddenLayers {
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// An eye ray, or a reflected or refracted ray of its shading tree, and its first hit.
+/// A ray and its first hit, behind which hidden surfaces are searched.
+/// It is an eye ray, or a reflected or refracted one.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
@@ -55,7 +56,7 @@ struct FirstHit {
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
-/// A hidden surface, or the background behind the last surface of a ray.
+/// A surface that a ray would hit behind its first hit, or the background behind its last surface.
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
     std::uint32_t layer = 0;  ///< number of surfaces in front of it
@@ -63,7 +64,8 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer.
+/// Finds the surfaces hidden behind the first hits `eye`. Writes them to `out`, sorted by ray and then by
+/// layer.
 /// The background behind the last surface is added with the key `none` if it may be visible.
 /// Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,

@@ -15,8 +15,9 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns the square of the pyramid in which this thread's last search behind a surface of a similar inverse
-/// depth ended. The next search is usually close by and often ends in the same square.
+/// Returns where this thread's last search in the pyramid of depths ended, for a surface of a similar inverse
+/// depth.
+/// The next search is usually close by and often ends in the same square of pixels.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
     thread_local std::array<MinMaxPyramid::Hint, 256> hints;
     const std::size_t depth =

@@ -1,4 +1,4 @@
-// Decides which hidden surfaces a lens can see beside the edge of the surface in front.
+// Decides which hidden surfaces some point of the lens can see past the edge of the surface in front.
 #pragma once
 
 #include <cstdint>

@@ -18,17 +18,19 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight of a ray from another hit's lobe. High weights, at small densities, cause high variance.
+// Largest weight of a ray borrowed from a neighbouring hit's glossy lobe.
+// Where that lobe has a low density, weights are high and cause noise.
 constexpr double most_weight = 8;
 
-// True if two hits may share rays: the axes of their lobes differ by less than the wider lobe's width.
+// True if two surface hits may share rays to average over their glossy lobes.
+// The axes of the lobes must differ by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight of the rays of hit b in the mean of hit a. It decreases from 1 at distance 0
-// to 0 at `reach_px`, so that the mean is continuous over the image.
+// Returns the weight of rays sent for hit b in the mean over hit a's glossy lobe. It falls from 1 at
+// distance 0 in the image to 0 at `reach_px`, so that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -36,7 +38,7 @@ double window(const LobeHit& a, const LobeHit& b) {
 }
 
 // Returns the index of a raster position along a Morton curve with steps of 1/4 px.
-// Nearby hits get successive stratified points. 16 bits per coordinate suffice for a batch.
+// It gives nearby surface hits successive stratified points. 16 bits per coordinate suffice for a batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -53,7 +55,8 @@ std::uint64_t seed_of(const LobeHit& h) {
     return mix64(mix64(mix64(x) ^ y) ^ (static_cast<std::uint64_t>(h.object) << 32 | h.path.bits()));
 }
 
-// Returns a scrambled Sobol point for sampling the lobe. Points with consecutive indices are stratified.
+// Returns a scrambled Sobol point, from which a direction in a glossy lobe is sampled.
+// Points with consecutive indices are stratified.
 glm::dvec2 lobe_point(std::uint64_t seed, std::uint32_t index) {
     const auto coordinate = [&](int dimension) {
         const auto key = static_cast<std::uint32_t>(mix64(seed + static_cast<std::uint64_t>(dimension)));
@@ -94,7 +97,8 @@ struct LobeMeans::Ray {
     double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// Hits [first, end), in sorted order, of the same object and path, and the rays that they share.
+// Surface hits [first, end) of a sorted list, which share rays to average over their glossy lobes.
+// They are on one object and have the same sequence of bounces.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
@@ -114,8 +118,9 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on. They must be sorted by LobeHit::nodes_left of their hits,
-// because rays with the same value are traced together.
+// Traces the rays from index `first` on, which sample glossy lobes. They must be sorted by
+// LobeHit::nodes_left,
+// because rays that may bounce equally often are traced together.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -1,4 +1,4 @@
-// Computes the mean radiance over wide lobes of reflection and transmission. Samples of a batch share rays.
+// Computes the mean radiance over wide glossy lobes. Neighbouring samples share rays.
 // A mean is almost the same from every lens point, so it is added to the surface's own record.
 #pragma once
 
@@ -74,7 +74,7 @@ class LobeMeans {
     std::vector<double> bound_;  ///< for each number of nodes left, an upper bound of the radiance of a ray
 };
 
-/// Returns the density of the lobe in a unit direction, relative to that of cos^exponent on its axis.
+/// Returns the density of a glossy lobe in a unit direction, relative to that of cos^exponent on its axis.
 /// The part of the lobe behind the surface is mirrored to the front. Behind the surface, the density is 0.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest position in a square of `size` x `size`.
+/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size` x `size`
+/// positions.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -18,7 +19,8 @@ double distance2_of(double x, double y, int square_x, int square_y, double size)
     return dx * dx + dy * dy;
 }
 
-/// Returns whether the cone contains the value `low` at the squared distance `distance2()`.
+/// Returns whether the cone, the search region, contains the value `low` at a squared distance from the
+/// cone's centre.
 template <typename Distance2>
 bool may_contain(const MinMaxPyramid::Cone& cone, float low, const Distance2& distance2) {
     const double under = cone.top - static_cast<double>(low);
@@ -59,7 +61,7 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     }
 }
 
-// Returns the highest level whose squares have a diagonal of at most an eighth of the radius.
+// Returns the highest (coarsest) level whose squares have a diagonal of at most an eighth of the radius.
 int MinMaxPyramid::coarse_level(double radius) const {
     const int highest = static_cast<int>(levels_.size()) - 1;
     int level = 0;
@@ -84,9 +86,10 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Searches the values within `radius` of `at`, depth-first. A square of level 0 is a single value.
+// Searches the pyramid for values within `radius` of `at`, depth-first. A square of level 0 is a single
+// value.
 // - `visit(range, square, distance2)`: descend into a square, skip it or end the search
-// - `promise(range)`: rating of a square, the highest of four is searched first
+// - `promise(range)`: rating of a square; of four squares, the one with the highest rating is searched first
 // - `keeps(promise)`: whether a square is still searched when its turn comes
 // `distance2()` is the squared distance from `at` to the nearest integer position in the square.
 template <typename Visit, typename Promise, typename Keeps>

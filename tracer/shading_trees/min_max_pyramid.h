@@ -1,5 +1,5 @@
 // A raster of values, with a fast search near a position for a value below a limit.
-// The limit decreases with the distance from the position, so the searched region is a cone.
+// The limit falls with the distance from the position, so the search region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// Values at integer positions, and the least and greatest value of squares of 2, 4, 8, ... positions.
+/// Values at integer positions, and the least and greatest value in squares of 2 x 2, 4 x 4, 8 x 8, ...
+/// positions.
 class MinMaxPyramid {
   public:
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.

@@ -8,7 +8,7 @@ namespace {
 
 using glm::dvec3;
 
-// Solves A W = B for the 2 x 2 matrix W, where A = (a0, a1) and B = (b0, b1).
+// Solves A W = B for the 2 x 2 matrix W. A has the columns a0 and a1, and B has the columns b0 and b1.
 // All columns lie in one plane, so the least-squares solution is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);

@@ -1,5 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: derivatives of a ray with respect to
-// the eye ray's direction and the lens point. They give W, the motion of a node's image with the lens point.
+// Ray differentials through mirrors and glass [igehy1999]: how a ray changes with the eye ray's direction
+// and the lens point. They give the matrix W, by which the image of a surface point moves with the lens
+// point.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 namespace postlens {
 
 /// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y).
-/// - p: tangent of the eye ray
+/// - p: tangent of the eye ray, that is, its direction divided by its component along the optical axis
 /// - q: lens point, m
 /// Both are along the raster's axes (x right, y down).
 struct RayDifferentials {
@@ -20,26 +21,27 @@ struct RayDifferentials {
     std::array<glm::dvec3, 4> direction{};
 };
 
-/// Returns the differentials of an eye ray of a perspective camera, at the origin of the ray.
+/// Returns the derivatives of an eye ray of a perspective camera, at the origin of the ray.
 [[nodiscard]] RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray);
 
-/// Moves the differentials along the ray by `t`, to a hit whose surface has the normal `normal`.
+/// Moves ray differentials along the ray by the distance `t`, to a hit on a surface with the normal `normal`.
 void transfer(RayDifferentials& differentials, const glm::dvec3& direction, double t,
               const glm::dvec3& normal);
 
-/// Returns the differentials after reflection at a surface with the unit normal `normal`.
+/// Returns ray differentials after reflection at a surface with the unit normal `normal`.
 /// `shape_operator` is the derivative of the normal with respect to the position, 1/m.
 [[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
-/// Returns the differentials after refraction. Not for total internal reflection.
+/// Returns ray differentials after refraction. Not for total internal reflection.
 /// `eta` is the ratio of the refractive indices in front of and behind the surface.
 /// `normal` points against the ray.
 [[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes.
+/// Returns the matrix W, 1/m: how the image of a hit moves on the raster when the lens point moves.
+/// W = (dX/dp)^-1 dX/dq, along the raster's axes:
 /// - X: point that the ray hits
 /// - p: tangent of the eye ray
 /// - q: lens point
@@ -47,7 +49,8 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 /// Where neighbouring eye rays converge in one point, the entries of W are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that hits nothing, from the derivatives of its direction.
+/// Returns the matrix W, by which the image moves with the lens point, for a ray that hits nothing.
+/// It is computed from the derivatives of the ray's direction.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

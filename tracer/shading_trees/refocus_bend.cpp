@@ -15,23 +15,24 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps of a search. All steps use the derivatives at the pinhole,
-// so each reduces the error only about tenfold.
+// Largest number of Newton steps to find the ray from a lens point to a given surface point.
+// All steps use the derivatives at the pinhole, so each reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// A search has converged if its last step is at most `settled_px`, or its estimated error at most
+// Newton's method for a ray ends when its last step is at most `settled_px`, or its estimated error at most
 // `settled_share` of the difference between the ray and its first-order prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Fraction of the first Newton step that is assumed to remain as an error.
-// After later steps, it is estimated from the ratio of the last two steps.
+// Estimated error after the first Newton step, as a fraction of this step.
+// After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Two rays are traced first. If both differ from their prediction by at most this share of
-// settled_px, the rays from the opposite lens points are skipped.
+// Rays from two lens points are traced first. If both differ from the linear prediction by at most this
+// fraction
+// of `settled_px`, the rays from the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 
-// Largest number of surfaces that a ray may pass through to reach a node behind them.
+// Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
 constexpr int most_passed = 16;
 
-// A ray from a lens point, whose direction is adjusted until it reaches a given node.
+// A ray from a lens point. Newton's method adjusts its direction until the ray reaches a given surface point.
 struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
@@ -118,7 +119,8 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Traces the rays of all unfinished searches up to their last bounce.
+// Traces the rays of all unfinished Newton searches, with their reflections and refractions, up to the last
+// bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -148,7 +150,8 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray from a lens point. Larger ones occur only if the Newton steps diverge
+/// Greatest accepted tangent of a ray's angle to the optical axis. Larger ones occur only if Newton's method
+/// diverges
 /// or if the first-order prediction is unbounded.
 constexpr double widest_tangent = 1e3;
 
@@ -156,8 +159,9 @@ bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach given nodes, and their departures:
-/// the differences between the tangent of a ray and its first-order prediction.
+/// Finds the rays from lens points that reach given surface points, and how far each departs from linear
+/// motion:
+/// the difference between the tangent of the ray and its first-order prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged

@@ -1,5 +1,5 @@
-// Measures the error of the matrix W for nodes behind mirrors and glass. W predicts that the image moves by
-// -W q if the lens point moves by q. Rays from the lens find the true motion.
+// Measures the error of the matrix W in mirrors and glass. W predicts that an image moves by -W q if the
+// lens point moves by q. Rays from the lens find the true motion.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@
 
 namespace postlens {
 
-/// The objects at which a path has reflected or transmitted so far.
+/// The mirrors and glass objects at which a path has reflected or refracted so far.
 struct Bounces {
     std::array<std::uint32_t, NodePath::max_bounces> object{};  ///< index into Scene::objects, per bounce
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A node (hit of a shading tree) seen in a mirror or through glass.
-/// A ray from another lens point must reach its `target` after the same bounces.
+/// A surface hit seen in a mirror or through glass.
+/// A ray from another lens point must reach its `target` after bounces at the same objects.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;

@@ -1,5 +1,5 @@
 // Whitted's recursive ray tracing [whitted1980] for a batch of point samples.
-// Rays with the same number of bounces are traced together. Every node of a shading tree becomes a record.
+// Rays with the same number of bounces are traced together. Every surface hit is stored as a record.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,8 @@ struct WhittedSettings {
 };
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases.
-/// `hidden` counts rays that continue behind a surface. `lens` counts rays that measure `w_bend`.
+/// `hidden` counts rays that continue behind a surface.
+/// `lens` counts rays from other lens points, which measure the nonlinear image motion `w_bend`.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -48,7 +49,7 @@ struct RayCounts {
     }
 };
 
-/// The ray that arrives at a node after at least one bounce. It serves to find small bright objects.
+/// The last ray of a path with at least one reflection or refraction. It serves to find small bright objects.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -56,8 +57,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// What a surface point shows: texture, shadows and part of the object.
-/// A cell is subdivided if one of them differs between its corners, even if the colours are equal.
+/// What determines the colour of a surface point: texture, shadows and part of the object.
+/// A quadtree cell is subdivided if one of them differs between its corners, even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -65,8 +66,8 @@ struct ColourSource {
     std::uint32_t part = 0;            ///< part of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
-/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
-/// They are sorted by layer (0 is visible) and then by path.
+/// The surfaces recorded for a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]).
+/// They are sorted by layer (0 is visible) and then by path (sequence of bounces).
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;

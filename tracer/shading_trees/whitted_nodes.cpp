@@ -1,5 +1,5 @@
-// Completes the nodes of shading trees once all rays are traced:
-// adds the means over lobes and lights, measures `w_bend`, and converts the nodes to records.
+// Completes the shading trees once all rays are traced: adds the means over glossy lobes and area lights,
+// measures the nonlinear image motion `w_bend`, and converts surface hits to records.
 #include <algorithm>
 #include <array>
 #include <cstddef>
