@@ -15,8 +15,7 @@ struct CameraOverrides {
     std::optional<double> film_width_mm;
 };
 
-/// An eye ray: from the pinhole through a raster position, or parallel to the optical axis if the camera is
-/// orthographic.
+/// An eye ray: from the pinhole through a raster position, or parallel to the axis of an orthographic camera.
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis

@@ -6,7 +6,7 @@
 namespace postlens {
 
 /// Returns the scene translated by -origin.
-/// Far from the world's origin, float rays have rounding errors that exceed the size of a small lens.
+/// Far from the world's origin, rounding errors of float rays would exceed the size of a small lens.
 [[nodiscard]] Scene recentred(Scene scene, const glm::dvec3& origin);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// Prepares what `render` needs before it traces rays: the translated scene, its RayScene, the lens and the
-// shutter.
+// Prepares what `render` needs to trace rays: the translated scene, its RayScene, the lens and the shutter.
 #pragma once
 
 #include <optional>

@@ -242,7 +242,6 @@ std::unique_ptr<Imf::InputFile> opened(const std::filesystem::path& path, const 
     return nullptr;
 }
 
-/// Reads the pixels of an unfinished render's file into `state`, whose size and layout are already set.
 void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     const Imf::Header& header = in.header();
     if (header.dataWindow() != Imath::Box2i({0, 0}, {state.width - 1, state.height - 1}))

@@ -16,9 +16,9 @@ namespace postlens {
 /// It also limits N in `--share I/N`, because each run renders whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
-/// The result of an unfinished render: sums of radiance and numbers of samples per pixel.
-/// The samples form one set or two independent halves. Each is divided into blocks, whose sums are added in
-/// order.
+/// An unfinished render: sums of radiance and numbers of samples per pixel, for one or two independent
+/// halves.
+/// The samples of a half are divided into blocks, whose sums are added in order.
 /// So the image does not depend on which run (--share) rendered which block.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
@@ -43,15 +43,13 @@ struct RenderState {
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an unfinished render to an OpenEXR file: the mean radiance so far (R, G, B), and all sums and
-/// counts exactly.
-/// `settings` identifies the render. `part_mark` is not empty if the file is one of several to be merged
-/// (--share).
+/// Writes an unfinished render to an OpenEXR file: the mean radiance so far, and all sums and counts exactly.
+/// `settings` identifies the render. `part_mark` is not empty if the file is a part of a render (--share).
 /// Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
-/// The result of one of several runs that share a render (--share): some of the samples of every pixel.
+/// One part of a render that several runs share (--share): some of the samples of every pixel.
 struct RenderPart {
     RenderState state;
     std::string settings, mark;  ///< as passed to write_state

@@ -77,9 +77,8 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// Makes a shape's crossing the hit of a ray if no nearer hit is known.
-// Copies all inputs first: the compiler assumes that Embree's pointers alias, and would not vectorise the
-// loop.
+// Makes a shape's crossing a ray's hit if no nearer hit is known.
+// Copies all inputs first, because the compiler cannot vectorise a loop whose pointers may alias.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
                                                    const Rays& rays, const Hits& hits, const Pairs& pairs) {

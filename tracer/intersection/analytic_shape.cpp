@@ -17,8 +17,8 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
 }
 
 // Returns a right-handed frame whose z axis is the unit vector `axis`.
-// Its x axis is the object's +X made perpendicular to `axis`, or +Y if `axis` is close to X.
-// The texture coordinate u is 0 on it.
+// Its x axis, where the texture coordinate u is 0, is the object's +X made perpendicular to `axis`,
+// or +Y if `axis` is close to X.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));

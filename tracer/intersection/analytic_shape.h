@@ -36,8 +36,8 @@ struct PlacedShape {
 /// Empty for a mesh.
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// The distances t at which a line o + t d crosses a shape, unsorted, and the face or cap on which each
-/// crossing lies.
+/// The distances t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each
+/// crossing.
 template <typename T>
 struct Crossings {
     int count = 0;
@@ -58,8 +58,8 @@ template <typename T>
 
 /// Returns the outward unit normal at point `p` of the shape's face or cap `part`, in the shape's own frame.
 [[nodiscard]] glm::dvec3 local_normal(const AnalyticShape& shape, int part, const glm::dvec3& p);
-/// Returns the matrix S, 1/length, for which dN = S dP: if P moves by dP on the surface, the unit normal N
-/// changes by dN.
+/// Returns the matrix S, 1/length, with dN = S dP: how the unit normal N changes for a step dP on the
+/// surface.
 [[nodiscard]] glm::dmat3 local_shape_operator(const AnalyticShape& shape, int part, const glm::dvec3& p);
 /// Returns the texture coordinates (u, v) of point `p` of the shape, which is given in the shape's own frame.
 [[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);

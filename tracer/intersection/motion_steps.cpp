@@ -27,8 +27,7 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Estimates the position error, px, in a box if the object-to-world matrix `taken` replaces the exact matrix
-// `truth`.
+// Estimates the position error, px, in a box if the matrix `taken` replaces its exact motion `truth`.
 // The error in metres is convex, so it is largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {

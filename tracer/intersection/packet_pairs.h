@@ -12,8 +12,8 @@ struct Pairs {
 };
 
 /// Finds where n = 8 or 16 rays cross the shape `item`. Returns false for other n or unsupported shapes.
-/// If a ray starts on the shape, the crossing at its origin is omitted. `geometry` and `primitive` identify
-/// the shape.
+/// If a ray starts on the shape, the crossing at its origin is omitted.
+/// `geometry` and `primitive` are Embree's ids of the shape.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

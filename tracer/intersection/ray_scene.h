@@ -20,7 +20,7 @@ struct TimeSpan {
 };
 
 /// Identifies a primitive of the Embree scene: the one that a ray hits, or the one on which it starts.
-/// At its own start, a ray must not hit this primitive.
+/// A ray must not hit the latter again at its start.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;

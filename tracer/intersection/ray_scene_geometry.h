@@ -15,8 +15,7 @@
 namespace postlens {
 
 /// How an object affects shadow rays. Its transmittance is stored as -log2 in fixed point.
-/// Adding integers multiplies transmittances exactly, so the order in which a ray meets surfaces does not
-/// matter.
+/// These integers are added along a ray, so the order in which it meets surfaces does not matter.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -44,9 +43,8 @@ struct RayContext {
         nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// The objects of a scene that are spheres in world space and do not move. Float values serve to find hits,
-/// and double
-/// values to compute them exactly.
+/// The objects of a scene that are spheres in world space and do not move.
+/// Float values serve to find hits, and double values to compute them exactly.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -112,9 +110,8 @@ struct MovingSet {
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
-/// Filters that Embree calls for hits on triangles. `filter_source` rejects the triangle on which a ray
-/// starts.
-/// `filter_shadow` also rejects, for shadow rays, surfaces that transmit light or cast no shadow.
+/// Filters that Embree calls for hits on triangles. `filter_source` rejects the triangle where a ray starts.
+/// `filter_shadow`, for shadow rays, also rejects surfaces that transmit light or cast no shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 

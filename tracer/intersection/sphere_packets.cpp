@@ -106,8 +106,8 @@ template <int N>
     }
 }
 
-// Intersects a fixed number of rays with a sphere. The templates are inlined here, and so compiled for each
-// instruction set.
+// Intersects a fixed number of rays with a sphere.
+// The templates are inlined here, and so compiled for each instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }

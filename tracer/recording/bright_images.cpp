@@ -16,8 +16,8 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// The four rays that arrive at the corners of a quadtree cell, combined into one beam.
-/// They are reflected or refracted rays. The beam shows which bright objects may be visible in the cell.
+/// A beam made of four reflected or refracted rays, those of the corners of a quadtree cell.
+/// It shows which bright objects may be visible in the cell.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -59,9 +59,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Bright objects are not searched for in mirrors or glass that dim them to this radiance or less (white is
-/// 1).
-/// Its sRGB value is 1/8, a dark grey.
+/// Images in mirrors and glass up to this radiance (white is 1) are not searched for. Its sRGB value is 1/8.
 constexpr double dimmest = 0.0144;
 
 }  // namespace

@@ -8,8 +8,7 @@
 namespace postlens {
 namespace {
 
-// Sets a flag of a recorded surface hit. Atomic, because cells that share a corner may set it at the same
-// time.
+// Sets a flag of a recorded surface hit. Atomic, because cells with a common corner may set it at once.
 void set_mark(Record& r, std::uint8_t mark) {
     const std::atomic_ref<std::uint8_t> marks(r.mark);
     if ((marks.load(std::memory_order_relaxed) & mark) == 0) marks.fetch_or(mark, std::memory_order_relaxed);

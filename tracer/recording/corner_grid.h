@@ -42,8 +42,8 @@ struct CornerGrid {
     }
 };
 
-/// The sample traced at a corner of quadtree cells: what decides whether cells are divided, and which records
-/// it has.
+/// The sample at a corner of quadtree cells: what decides whether cells are divided, and where its records
+/// are.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;

@@ -19,7 +19,7 @@
 namespace postlens {
 namespace {
 
-// Number of pixel rows, a band, whose records are in memory at the same time.
+// Number of pixel rows (a band) whose records are in memory at the same time.
 // Two rows of squares of `tile` x `tile` px are enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;

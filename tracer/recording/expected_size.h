@@ -9,7 +9,7 @@
 namespace postlens {
 
 /// Returns how many of an image's `rows` rows are traced to predict the size of the sample file.
-/// It is 2 of every 96, but at least 8 (if there are so many) and at most 64.
+/// It is 2 of every 96 rows, but 8 to 64, and at most `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.

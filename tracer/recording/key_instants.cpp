@@ -25,8 +25,7 @@ using glm::dvec3;
 // A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes scale an object, a recorded instant must show it at this fraction of its largest scale or
-// more.
+// If keyframes scale an object, some recorded instant must show it at this fraction of its largest scale.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -59,8 +58,7 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns `count` + 1 evenly spaced instants of the shutter interval and the keyframes of `motions` within
-// it, sorted.
+// Returns `count` + 1 evenly spaced instants of the shutter interval and the keyframes within it, sorted.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -97,8 +95,7 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether part of a moving sphere may be in view: in front of the camera and between the frame's
-// edges.
+// Returns whether part of a moving sphere may be in view: in front of the camera and within the frame.
 // `centre` and `radius_m` describe the sphere before the motion `pose` is applied.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
@@ -115,8 +112,7 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether part of a moving box is in front of the camera. `box` is given before the motion `pose` is
-// applied.
+// Returns whether part of a moving box is in front of the camera. `box` is given before the motion `pose`.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,

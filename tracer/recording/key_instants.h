@@ -11,13 +11,14 @@
 
 namespace postlens {
 
-/// Returns the total angle, degrees, by which the direction from an object's centre to the camera turns, seen
-/// from
-/// the object. The object with the greatest angle counts. Panning and rolling the camera do not.
+/// Returns by how many degrees, in total, an object turns relative to the camera: the greatest of all
+/// objects.
+/// It is the turn of the direction from the object's centre to the camera, 0 if the camera only pans or
+/// rolls.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the total angle, degrees, by which the camera turns its optical axis. 0 if it is orthographic.
+/// Returns the total angle, degrees, by which the camera's optical axis turns. 0 if it is orthographic.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
@@ -37,15 +38,14 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the smallest number of evenly spaced recorded instants (keys), `at_least` to 64, that show every
-/// object.
+/// Returns the least number of evenly spaced keys (recorded instants), `at_least` to 64, that show all
+/// objects.
 /// Each time span in which an object is in view must contain a key or `recorded_s`.
 /// Time spans that are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
-/// Returns at how many instants (keys) of the shutter interval the scene must be recorded. Keys are needed
-/// for:
+/// Returns the number of keys (recorded instants) that the scene needs. Keys are needed for:
 /// - turning objects: one key per `degrees_per_key`
 /// - a panning camera
 /// - objects that are in view, large or around the camera only for a short time

@@ -18,16 +18,14 @@ namespace {
 
 using glm::dvec3;
 
-// Number of equal steps into which the shutter interval is divided, to measure the light on surfaces between
-// them.
+// Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
 // Recorded instants (keys) are at least this number of time steps apart.
 // With one step, there would be 65 keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of rays along the longer side of the image. The grid of rays finds surface points at which light is
-// measured.
+// Number of rays along the longer side of the image. They find the surface points at which light is measured.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -36,8 +34,7 @@ struct Point {
     dvec3 rest{0};
 };
 
-/// Radiance of one surface point at each measured instant. Empty at instants at which the camera does not see
-/// it.
+/// Radiance of one surface point at each measured instant. Empty while the camera does not see the point.
 using History = std::vector<std::optional<dvec3>>;
 
 class LightChange {

@@ -1,5 +1,4 @@
-// Computes the overscan: how many pixels around the frame are traced, because their light blurs or moves into
-// it.
+// Computes the overscan: pixels around the frame that are traced because their light blurs or moves into it.
 #pragma once
 
 #include <optional>

@@ -9,13 +9,12 @@
 
 namespace postlens {
 
-/// Returns the motion that a sample file stores: of the camera, of moving objects with their bounding
-/// spheres, and of
-/// lights. Lights at rest are included if objects move.
+/// Returns the motion that a sample file stores: that of the camera, of moving objects, and of lights.
+/// Moving objects have bounding spheres. Lights at rest are included if objects move.
 /// If several shapes have the same id, the motion of the first is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns, ascending, the object ids that several shapes with different keyframes share.
+/// Returns, ascending, each object id that several shapes with different keyframes share.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -39,22 +39,20 @@ struct Axes {
     }
 };
 
-/// Returns two unit vectors that are perpendicular to `axis` and to each other.
 std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 u = glm::normalize(glm::cross(axis, other));
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box. `sides` are its extents along the directions in the columns of
-/// `turn`.
+/// Returns the centre and half axes of a box with the extents `sides` along the columns of `turn`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns a box around all points: the one of two with the smaller surface.
-/// One is parallel to the coordinate axes, and one is turned towards the point farthest from the centre.
+/// Returns the smaller of two boxes around all points, by surface: one parallel to the coordinate axes,
+/// and one turned towards the point farthest from the centre.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -142,8 +140,7 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// Linear approximation of the camera's projection near a point. It gives the size of small objects in the
-// image.
+// Linear approximation of the camera's projection near a point, to find the image size of small objects.
 struct Sight {
     Sight(const CameraModel& of, const dvec3& point)
         : camera(of), perspective(of.projection == Camera::Projection::perspective) {
@@ -163,7 +160,7 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid: the first two project to the half axes of its outline in the image,
+// Replaces the half axes of an ellipsoid. The first two then project to the half axes of its image,
 // an ellipse, the longer one first. The third is along the line of sight.
 // Returns the ratio of the ellipse's axes, at least 1, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
