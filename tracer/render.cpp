@@ -31,8 +31,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders an image in tiles, a few samples per pixel at a time.
-// Radiance is always added in the same order, so the number of threads and interruptions do not change the
-// image.
+// Radiance is always added in the same order, so neither threads nor interruptions change the image.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -208,8 +207,7 @@ class Renderer {
     RayCounts counts_;
 };
 
-// Renders all samples that are still missing. Calls `pause` several times a second, while no tile is being
-// rendered.
+// Renders all samples that are still missing. Calls `pause` several times a second, while no thread renders.
 void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();

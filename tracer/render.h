@@ -72,15 +72,14 @@ struct RenderResult {
 };
 
 /// Returns the number of blocks into which the samples of a pixel are divided.
-/// Each of `shares` runs that divide the work of a render computes some of these blocks.
+/// Each of `shares` runs that divide a render computes some of these blocks.
 /// Throws Error(wrong_arguments) if there are more runs than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
-/// Returns the paths of the two images made from independent halves of the samples, NAME.a.EXT and
-/// NAME.b.EXT.
+/// Returns the paths of the two images of independent halves of the samples, NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
 /// Returns the path of the file from which an interrupted render resumes, NAME.partial.exr.
-/// It is the image so far, which any viewer can display. Additional channels contain exact sums.
+/// Any viewer can display the image so far. Additional channels contain the sums of the samples.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
 /// Renders to the file `path`, and with `halves` also to half_paths(path).

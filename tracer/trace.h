@@ -90,18 +90,16 @@ struct TraceResult {
     std::string keys_reason;
 };
 
-/// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than is
-/// available.
-/// trace_to_file repeats this check once it has found the overscan.
+/// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than
+/// available. trace_to_file repeats this check once it has found the overscan.
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces the scene `placed` and writes a sample file to `path`, which appears only when it is complete.
+/// Traces a scene and writes a sample file to `path`, which appears only when it is complete.
 /// The scene's exposure is stored separately from the radiance. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header of the sample file that these settings give if only the frame's own instant is
-/// recorded.
+/// Returns the header of the sample file of a trace that records only the frame's own instant.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

@@ -17,8 +17,7 @@
 
 namespace postlens {
 
-/// The narrow objects of a scene that are seen directly, and bright objects seen in mirrors and glass
-/// (`images`).
+/// The narrow objects of a scene that are seen directly, and the bright ones in mirrors and glass (`images`).
 /// Each connected part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:

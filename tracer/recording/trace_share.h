@@ -14,7 +14,8 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// Returns which of the rows [y_begin, y_end) one of several runs traces. Runs differ by at most one row.
+/// Returns which of the rows [y_begin, y_end) one of several runs traces. Their numbers differ by at most
+/// one.
 /// Throws Error(wrong_arguments) if there are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 

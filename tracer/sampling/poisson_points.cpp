@@ -11,8 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance between two points on the torus [0, 1)^2, in units of 2^-64. It is at most
-/// 2^63.
+/// Returns the squared distance between two points on the torus [0, 1)^2, at most 2^63, in units of 2^-64.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));

@@ -9,8 +9,7 @@
 
 namespace postlens {
 
-/// Points on the torus [0, 1)^2. Their coordinates are integers in units of 2^-32, so adding a shift wraps
-/// around.
+/// Points on the torus [0, 1)^2, as integers in units of 2^-32, so that adding a shift wraps around.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
@@ -30,8 +29,7 @@ inline constexpr double poisson_distance_share = 0.7;
 /// They are uniform points on a shorter circle, with this distance inserted after each.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
-/// Poisson-disc points for the samples of a pixel: one of several precomputed patterns, shifted and in random
-/// order.
+/// Poisson-disc points for the samples of a pixel: a precomputed pattern, shifted and in random order.
 /// More than 1024 samples are divided into blocks of almost equal size, each with its own pattern.
 class PoissonPoints {
   public:

@@ -1,5 +1,4 @@
-// Random numbers for eye rays: the position of each ray in the pixel, on the lens and in the shutter
-// interval.
+// Random numbers for eye rays: their positions in the pixel, on the lens and in the shutter interval.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +12,7 @@
 
 namespace postlens {
 
-/// How the samples of a pixel are distributed. Positions in the pixel, lens points and instants are paired at
+/// How the samples of a pixel are distributed. Raster positions, lens points and instants are paired at
 /// random.
 /// With `sobol`, they are also well distributed jointly.
 enum class SamplerKind {
@@ -24,17 +23,16 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies one of several independent sets of random points. The first three are for an eye ray's position
-/// in the pixel, lens point and instant. `sample_set` makes all others.
+/// Identifies an independent set of random points. The first three sets are for eye rays: position in the
+/// pixel, lens point and instant. `sample_set` makes all others.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
 /// Returns a set of random points for a purpose, such as an area light, and two more numbers, such as path
-/// and light.
-/// It differs from the sets for eye rays. Sets for different arguments are the same with a probability of
-/// 2^-32.
+/// and light. It is never a set for eye rays.
+/// Different arguments give different sets, except with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);

@@ -32,8 +32,7 @@ struct Divisor {
     }
 };
 
-/// Returns the integer that lies at the fraction `share`, in [0, 1), of the interval [begin, end), rounded
-/// down.
+/// Returns the integer at the fraction `share`, in [0, 1), of the interval [begin, end), rounded down.
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }

@@ -28,8 +28,7 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the twelve at which the visibility of an area light is tested: 8 on its outline and 4
-// inside.
+// Returns point i of twelve that test the visibility of an area light: 8 on its outline and 4 inside.
 // On a sphere, the outline points are rotated at random. Fixed ones would always miss the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
@@ -73,8 +72,7 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns the k for which k x k shadow rays give a record a standard deviation of 2/255 of white (radiance
-// 1).
+// Returns the k for which k x k shadow rays give a record a standard deviation of 2/255 of white.
 // A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5) for a radiance L.
 // A pixel, the mean of at least four records, then has at most 1/255.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {

@@ -32,7 +32,7 @@ struct ExtentLit {
 /// Computes the mean radiance that a surface reflects from an area light.
 /// First, twelve shadow rays test the light's visibility: eight to its outline and one to each quarter.
 /// If their transmittances agree, the result is the unshadowed mean times the transmittance.
-/// Otherwise the light is divided into k x k cells, and a shadow ray is sent to a random point of each.
+/// Otherwise the light is divided into k x k cells, each with one shadow ray to a random point.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

@@ -8,8 +8,7 @@
 namespace postlens {
 
 /// Returns upper bounds of the radiance along a ray. Element k is for rays followed over at most k surfaces.
-/// A value of 1e100 or more means that there is no bound, as near a light whose intensity grows without
-/// limit.
+/// A value of 1e100 or more means no bound, as near a light whose intensity grows without limit.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

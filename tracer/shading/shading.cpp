@@ -83,9 +83,8 @@ double schlick_weight(double cosine) {
 
 namespace {
 
-// Returns the specular coefficient of a highlight. With `fresnel`, it depends on how light meets the
-// microfacets:
-// their normal is halfway between the directions to the light and to the eye.
+// Returns the specular coefficient of a highlight. With `fresnel`, it depends on the angle of incidence at
+// microfacets. Their normal is halfway between the directions to the light and to the eye.
 dvec3 highlight(const Material& m, const dvec3& to_light, const dvec3& direction) {
     if (!m.fresnel) return m.specular;
     const dvec3 half = to_light - direction;

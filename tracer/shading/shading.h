@@ -59,8 +59,7 @@ struct Lit {
 /// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// How light continues at a hit: the weights of the reflected and the refracted ray, and what determines
-/// their directions.
+/// How light continues at a hit: weights of the reflected and refracted ray, and what gives their directions.
 struct Continuation {
     /// Factors by which the radiance of the reflected and the refracted ray is multiplied.
     /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.
@@ -69,8 +68,7 @@ struct Continuation {
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Returns the direction of the reflected ray, unit length. If the interpolated normal would reflect it into
-/// the
+/// Returns the unit direction of the reflected ray. If the interpolated normal would reflect it into the
 /// surface, the geometric normal is used and `inwards` is set.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);

@@ -28,7 +28,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of those surfaces of one sample that are seen in the same mirrors and glass as a given surface.
+/// Summary of one sample's surfaces that are seen after the same bounces, at the same objects, as a given
+/// one.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

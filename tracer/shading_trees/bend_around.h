@@ -1,5 +1,5 @@
-// Estimates the nonlinear motion `w_bend` of a surface's image from samples around it, which saves rays.
-// The image moves when the lens point moves. The matrix W describes its linear motion.
+// Estimates `w_bend`, the nonlinear motion of a surface's image over the lens, from samples nearby.
+// This saves rays. The matrix W describes the linear motion.
 #pragma once
 
 #include <array>
@@ -14,8 +14,7 @@ namespace postlens {
 /// Records of four point samples, stored as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// A surface hit after reflections or refractions, and the ids of the mirrors and glass objects, in order
-/// from the eye.
+/// A surface hit after reflections or refractions, and the ids of the objects that reflected or refracted.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -24,8 +23,8 @@ struct ChainNode {
 };
 
 /// Estimates `w_bend`, 1/m^2, the nonlinear motion of a surface's image over the lens, from four samples
-/// around it.
-/// The result is the greatest value of similar surface hits, with bounces at the same objects as `node`.
+/// nearby.
+/// It is the greatest value of similar surface hits, with bounces at the same objects as `node`.
 /// Empty if the value at `node` may be different:
 /// - A sample has no similar hit.
 /// - No similar hit lies on the object of `node`.

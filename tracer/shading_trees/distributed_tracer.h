@@ -95,9 +95,8 @@ class DistributedTracer {
     bool moving_lights_ = false;
 };
 
-/// Returns a random direction in a glossy lobe, cos^exponent about `axis` [phong1975], for (u, v) in [0,
-/// 1)^2.
-/// Returns `axis` if the exponent is infinite.
+/// Returns a random direction in the glossy lobe cos^exponent about `axis` [phong1975].
+/// u and v are random numbers in [0, 1). Returns `axis` if the exponent is infinite.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

@@ -54,7 +54,7 @@ class FilmMotion {
 
 /// Returns the instants of a shutter interval at which motion is examined, ascending:
 /// - nine evenly spaced instants, including both ends
-/// - `recorded_s`
+/// - the recorded instants `recorded_s`
 /// - the keyframes within the interval; of more than 32, 32 are chosen quasi-randomly
 [[nodiscard]] std::vector<double> looked_at_instants(const SceneMotion& motion, double open_s, double close_s,
                                                      std::span<const double> recorded_s);

@@ -39,8 +39,7 @@ struct HiddenLayers {
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// A ray and its first hit, behind which hidden surfaces are searched.
-/// It is an eye ray, or a reflected or refracted one.
+/// An eye ray, or a reflected or refracted one, and its first hit. Hidden surfaces are sought behind the hit.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
@@ -64,8 +63,7 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Finds the surfaces hidden behind the first hits `eye`. Writes them to `out`, sorted by ray and then by
-/// layer.
+/// Finds the surfaces hidden behind the first hits `eye`, and sorts them by ray and then by layer.
 /// The background behind the last surface is added with the key `none` if it may be visible.
 /// Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,

@@ -15,8 +15,7 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns where this thread's last search in the pyramid of depths ended, for a surface of a similar inverse
-/// depth.
+/// Returns where this thread's last search of the depth pyramid for a similar inverse depth ended.
 /// The next search is usually close by and often ends in the same square of pixels.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
     thread_local std::array<MinMaxPyramid::Hint, 256> hints;

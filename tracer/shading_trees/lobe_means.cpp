@@ -119,8 +119,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
 }
 
 // Traces the rays from index `first` on, which sample glossy lobes. They must be sorted by
-// LobeHit::nodes_left,
-// because rays that may bounce equally often are traced together.
+// `nodes_left` of their hits, because rays that may still bounce equally often are traced together.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -10,8 +10,7 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square of `size` x `size`
-/// positions.
+/// Returns the squared distance from (x, y) to the nearest integer position in a square of width `size`.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -19,8 +18,8 @@ double distance2_of(double x, double y, int square_x, int square_y, double size)
     return dx * dx + dy * dy;
 }
 
-/// Returns whether the cone, the search region, contains the value `low` at a squared distance from the
-/// cone's centre.
+/// Returns whether the cone (search region) contains the value `low` at this squared distance from its
+/// centre.
 template <typename Distance2>
 bool may_contain(const MinMaxPyramid::Cone& cone, float low, const Distance2& distance2) {
     const double under = cone.top - static_cast<double>(low);
@@ -86,8 +85,7 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Searches the pyramid for values within `radius` of `at`, depth-first. A square of level 0 is a single
-// value.
+// Searches for values within `radius` of `at`, depth-first. A square of level 0 is a single value.
 // - `visit(range, square, distance2)`: descend into a square, skip it or end the search
 // - `promise(range)`: rating of a square; of four squares, the one with the highest rating is searched first
 // - `keeps(promise)`: whether a square is still searched when its turn comes

@@ -8,8 +8,7 @@
 
 namespace postlens {
 
-/// Values at integer positions, and the least and greatest value in squares of 2 x 2, 4 x 4, 8 x 8, ...
-/// positions.
+/// Values at integer positions, and the least and greatest value in squares of 2 x 2, 4 x 4, ... positions.
 class MinMaxPyramid {
   public:
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.

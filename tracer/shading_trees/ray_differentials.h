@@ -1,6 +1,5 @@
-// Ray differentials through mirrors and glass [igehy1999]: how a ray changes with the eye ray's direction
-// and the lens point. They give the matrix W, by which the image of a surface point moves with the lens
-// point.
+// Ray differentials through mirrors and glass [igehy1999]: how a ray changes with the eye ray and lens point.
+// They give the matrix W, by which the image of a surface point moves with the lens point.
 #pragma once
 
 #include <array>

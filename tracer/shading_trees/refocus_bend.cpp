@@ -25,8 +25,7 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 // Rays from two lens points are traced first. If both differ from the linear prediction by at most this
-// fraction
-// of `settled_px`, the rays from the opposite lens points are skipped.
+// fraction of `settled_px`, the rays from the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
@@ -119,8 +118,7 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Traces the rays of all unfinished Newton searches, with their reflections and refractions, up to the last
-// bounce.
+// Traces the rays of all unfinished Newton searches, through reflections and refractions, to the last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -150,9 +148,8 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray's angle to the optical axis. Larger ones occur only if Newton's method
-/// diverges
-/// or if the first-order prediction is unbounded.
+/// Greatest accepted tangent of a ray's angle to the optical axis.
+/// Larger ones occur only if Newton's method diverges or if the first-order prediction is unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
@@ -160,8 +157,7 @@ bool runs_away(const dvec2& tangent) {
 }
 
 /// Finds the rays from lens points that reach given surface points, and how far each departs from linear
-/// motion:
-/// the difference between the tangent of the ray and its first-order prediction.
+/// motion: the difference between the tangent of the ray and its first-order prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged

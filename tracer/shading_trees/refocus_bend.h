@@ -1,5 +1,5 @@
-// Measures the error of the matrix W in mirrors and glass. W predicts that an image moves by -W q if the
-// lens point moves by q. Rays from the lens find the true motion.
+// Measures the error of the matrix W for surfaces seen in mirrors and glass, with rays from the lens.
+// W predicts that a surface's image moves by -W q if the lens point moves by q.
 #pragma once
 
 #include <array>
