@@ -17,7 +17,7 @@ class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
     /// Size of the image, in px. Set `random_rays` if rays return random radiances, for example because a
-    /// lamp has an extent.
+    /// light has an extent.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
     /// Appends the lens points from which pixel (x, y) is compared with a ray, out of [first, first + count)

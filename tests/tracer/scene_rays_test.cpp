@@ -12,7 +12,7 @@ namespace {
 using glm::dvec3;
 using Radiances = std::vector<std::array<float, 3>>;
 
-// A lamp, which is also seen in a tilted mirror of glass, before a wall that a point light illuminates.
+// A bright sphere, also seen in a tilted mirror of glass, before a wall that a point light illuminates.
 class LampAndMirror : public testing::Test {
   protected:
     static constexpr std::uint32_t wall = 1, lamp = 2, plate = 3;
