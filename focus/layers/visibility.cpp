@@ -60,7 +60,7 @@ void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
     // Of several surfaces in one plane, the one with the smallest alpha comes first. Otherwise, rounding
-    // errors could let a wall hide a lamp on the wall.
+    // errors could let a wall hide an emitter on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
