@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <tbb/enumerable_thread_specific.h>
 #include <type_traits>
 
 #include "core/error.h"
@@ -176,11 +177,18 @@ class Spread {
         const auto rows = static_cast<std::size_t>(source.height());
         const auto width = static_cast<std::size_t>(picture_.x_end - picture_.x_begin);
         std::vector<Guessed> found((rows + rows_per_task - 1) / rows_per_task);
-        parallel_for(found.size(), [&](std::size_t task) {
-            StackLights lights(geometry_, method_ == FocusMethod::layers);
+        // Each thread reuses its memory for every row, because the first write to new memory is slow.
+        struct Workplace {
+            StackLights lights;
             std::vector<PixelLight> row;
             std::vector<Behind> behind_row;
             std::vector<StackSample> continued;
+        };
+        tbb::enumerable_thread_specific<Workplace> workplaces([&] {
+            return Workplace{{geometry_, method_ == FocusMethod::layers}, {}, {}, {}};
+        });
+        parallel_for(found.size(), [&](std::size_t task) {
+            auto& [lights, row, behind_row, continued] = workplaces.local();
             const std::size_t end = std::min(rows, (task + 1) * rows_per_task);
             for (std::size_t i = task * rows_per_task; i < end; ++i) {
                 const int y = source.y_begin + static_cast<int>(i);

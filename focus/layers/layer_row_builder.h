@@ -77,7 +77,7 @@ class LayerSplats::RowBuilder {
 
     LayerSplats& t_;
     KernelNumberCache cache_;
-    Row row_;
+    UnsortedRow row_;
     std::map<LayerPart, std::uint32_t> number_;
     LayerPart last_part_;  ///< cache: most samples have the same part as the sample before
     std::uint32_t last_number_ = ~std::uint32_t{0};

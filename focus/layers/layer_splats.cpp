@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 #include <tbb/enumerable_thread_specific.h>
-#include <tuple>
 
 #include "core/threads.h"
 #include "focus/layers/layer_row_builder.h"
@@ -80,7 +79,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
-void LayerSplats::Row::clear() {
+void LayerSplats::UnsortedRow::clear() {
     parts.clear();
     part.clear();
     splats.clear();
@@ -88,7 +87,7 @@ void LayerSplats::Row::clear() {
     colours = {};
 }
 
-void LayerSplats::store(int y, Row& made) {
+void LayerSplats::store(int y, UnsortedRow& made) {
     const auto index = static_cast<std::size_t>(y - source_.y_begin);
     if (index < joined_ * tile_px) return;  // the row was already added as part of an earlier range of rows
     if (keep_ == Keep::none) {
@@ -108,27 +107,12 @@ void LayerSplats::store(int y, Row& made) {
         made.splats.resize(kept);
         made.part.resize(kept);
     }
-    // Copies instead of moving, to save memory: a copy has no spare capacity.
-    rows_[index] = made;
+    rows_[index] = sorted(made);
 }
 
-struct LayerSplats::PlacedRun {
-    std::uint32_t part = 0;
-    std::uint32_t tile = 0;  ///< column of tiles
-    LayerRun run;
-    [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
-};
-
-// Sorts the samples of a row by surface, then by square of 64 x 64 px, and appends the resulting groups to
-// `runs`.
-void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
-    Row& row = rows_[index];
-    if (row.splats.empty()) return;
-    std::vector<std::uint32_t> number;
-    for (const LayerPart& part : row.parts) {
-        number.push_back(static_cast<std::uint32_t>(std::lower_bound(parts_.begin(), parts_.end(), part) -
-                                                    parts_.begin()));
-    }
+// Sorts the samples of a row by surface, then by square of 64 x 64 px.
+LayerSplats::Row LayerSplats::sorted(const UnsortedRow& row) const {
+    Row out{row.parts, {}, {}, row.largest_radius_px, row.colours};
     const auto tiles = static_cast<std::uint32_t>((source_.width() + tile_px - 1) / tile_px);
     const auto bucket_of = [&](std::size_t i) {
         const auto tile = static_cast<std::uint32_t>((row.splats[i].x - source_.x_begin) / tile_px);
@@ -139,14 +123,13 @@ void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
     for (std::size_t i = 0; i + 1 < begin.size(); ++i) {
         if (begin[i] == begin[i + 1]) continue;
-        runs.push_back({number[i / tiles],
-                        static_cast<std::uint32_t>(i % tiles),
-                        {static_cast<std::uint32_t>(index), begin[i], begin[i + 1]}});
+        out.runs.push_back({static_cast<std::uint32_t>(i / tiles),
+                            static_cast<std::uint32_t>(i % tiles),
+                            {0, begin[i], begin[i + 1]}});
     }
-    std::vector<LayerSplat> sorted(row.splats.size());
-    for (std::size_t i = 0; i < row.splats.size(); ++i) sorted[begin[bucket_of(i)]++] = row.splats[i];
-    row.splats.swap(sorted);
-    row.part = {};
+    out.splats.resize(row.splats.size());
+    for (std::size_t i = 0; i < row.splats.size(); ++i) out.splats[begin[bucket_of(i)]++] = row.splats[i];
+    return out;
 }
 
 RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
@@ -167,10 +150,16 @@ void LayerSplats::find_reach(LayerCell& cell) const {
 // Groups samples of the same surface in the same square of 64 x 64 px, for one row of squares.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
-    std::vector<std::vector<PlacedRun>> by_row(last_row - first_row);
-    parallel_for(by_row.size(), [&](std::size_t i) { sort_row(first_row + i, by_row[i]); });
     std::vector<PlacedRun> placed;
-    for (const auto& some : by_row) placed.insert(placed.end(), some.begin(), some.end());
+    for (std::size_t row = first_row; row < last_row; ++row) {
+        for (PlacedRun run : rows_[row].runs) {
+            const LayerPart& part = rows_[row].parts[run.part];
+            run.part = static_cast<std::uint32_t>(std::lower_bound(parts_.begin(), parts_.end(), part) -
+                                                  parts_.begin());
+            run.run.row = static_cast<std::uint32_t>(row);
+            placed.push_back(run);
+        }
+    }
     std::sort(placed.begin(), placed.end(),
               [](const PlacedRun& a, const PlacedRun& b) { return a.place() < b.place(); });
     std::vector<LayerRun>& runs = tile_runs_[tile_row];
@@ -236,7 +225,7 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     // Rows that are not read again matter only through samples with a large blur, which were kept when the
     // rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
-        Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
+        UnsortedRow row;
         std::map<LayerPart, std::uint32_t> number;
         for (const auto& far : strip_rows_.far(y)) {
             if (!meet(reach_of(far.item.splat), part)) continue;
@@ -246,6 +235,7 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
             row.part.push_back(found->second);
             row.splats.push_back(far.item.splat);
         }
+        rows_[static_cast<std::size_t>(y - source_.y_begin)] = sorted(row);
     }
     return strip_rows_.to_be_read(part.y_begin, part.y_end);
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -161,24 +162,38 @@ class LayerSplats {
     class RowBuilder;
     struct Builders;
     enum class Keep : std::uint8_t { all, none, strip };
-    /// The splats of one source row.
+    /// The samples of one surface in one row of a square of 64 x 64 px.
+    struct PlacedRun {
+        std::uint32_t part = 0;
+        std::uint32_t tile = 0;  ///< column of squares
+        LayerRun run;
+        [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
+    };
+    /// The samples of one row of pixels, sorted by surface, square and column.
     struct Row {
         std::vector<LayerPart> parts;
-        std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
-        std::vector<LayerSplat> splats;   ///< finally sorted by part, tile and column
-        /// Removes all elements, but keeps the capacity.
-        void clear();
+        std::vector<PlacedRun> runs;  ///< PlacedRun::part is an index into `parts`
+        std::vector<LayerSplat> splats;
         double largest_radius_px = 0;
         RadianceRange colours;
     };
-    struct PlacedRun;
-    void sort_row(std::size_t index, std::vector<PlacedRun>& runs);
+    /// The samples of one row of pixels, in the order in which they were added.
+    struct UnsortedRow {
+        std::vector<LayerPart> parts;
+        std::vector<std::uint32_t> part;  ///< per sample, index into `parts`
+        std::vector<LayerSplat> splats;
+        double largest_radius_px = 0;
+        RadianceRange colours;
+        /// Removes all elements, but keeps the capacity.
+        void clear();
+    };
+    [[nodiscard]] Row sorted(const UnsortedRow& row) const;
     std::vector<LayerCell> join(std::size_t tile_row);
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    void store(int y, Row& made);
+    void store(int y, UnsortedRow& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 
     Keep keep_ = Keep::all;

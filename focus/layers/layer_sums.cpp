@@ -23,7 +23,7 @@ struct PlainValues {
     EightDoubles light;
 
     PlainValues() = default;
-    PlainValues(const LayerSplat& s, int /*x*/) {
+    PlainValues(const LayerSplat& s, int /*x*/, int /*y*/) {
         const auto r = static_cast<double>(s.r), g = static_cast<double>(s.g), b = static_cast<double>(s.b),
                    weight = static_cast<double>(s.weight), lens_per_px = static_cast<double>(s.lens_per_px);
         light = EightDoubles{r,
@@ -38,7 +38,7 @@ struct PlainValues {
     __attribute__((always_inline)) void add(const PlainValues& other, double tap) {
         light += other.light * tap;
     }
-    __attribute__((always_inline)) void add_to(double* pixel, double /*y*/) const {
+    __attribute__((always_inline)) void add_to(double* pixel) const {
         *reinterpret_cast<EightStored*>(pixel) += light;
     }
 };
@@ -48,23 +48,22 @@ struct PlainValues {
 struct LensValues {
     static constexpr std::size_t count = LayerSums::lens_values;
     PlainValues plain;
-    FourDoubles moments;  ///< the last two values of `plain`, times x and times 1
+    FourDoubles moments;  ///< the last two values of `plain`, times x and times y
 
     LensValues() = default;
-    /// `x` is the sample's column, within the block of pixels.
-    LensValues(const LayerSplat& s, int x) : plain(s, x) {
-        const double column = x;
-        moments =
-            FourDoubles{plain.light[6] * column, plain.light[7] * column, plain.light[6], plain.light[7]};
+    /// (x, y) is the sample's position within the block of pixels.
+    LensValues(const LayerSplat& s, int x, int y) : plain(s, x, y) {
+        const double column = x, row = y;
+        moments = FourDoubles{plain.light[6] * column, plain.light[7] * column, plain.light[6] * row,
+                              plain.light[7] * row};
     }
     __attribute__((always_inline)) void add(const LensValues& other, double tap) {
         plain.add(other.plain, tap);
         moments += other.moments * tap;
     }
-    /// `y` is the sample's row, within the block of pixels.
-    __attribute__((always_inline)) void add_to(double* pixel, double y) const {
-        plain.add_to(pixel, y);
-        *reinterpret_cast<FourStored*>(pixel + PlainValues::count) += moments * FourDoubles{1, 1, y, y};
+    __attribute__((always_inline)) void add_to(double* pixel) const {
+        plain.add_to(pixel);
+        *reinterpret_cast<FourStored*>(pixel + PlainValues::count) += moments;
     }
 };
 
@@ -102,12 +101,15 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
 /// Convolves a row of values with a short kernel row (`taps`), whose length is a template argument. A loop
 /// over the usual two to four taps would take longer than the sums.
 template <typename Values, int taps_end>
-__attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, double y,
-                                                        int count, double* pixels) {
+__attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, int count,
+                                                        double* pixels) {
+    // The copy shows the compiler that writing pixels does not change the taps.
+    std::array<double, taps_end> tap;
+    std::copy_n(taps, taps_end, tap.begin());
     for (int i = 0; i < count; ++i) {
         Values sum{};
-        for (int tap = 0; tap < taps_end; ++tap) sum.add(values[i - tap], taps[tap]);
-        sum.add_to(pixels + Values::count * static_cast<std::size_t>(i), y);
+        for (int k = 0; k < taps_end; ++k) sum.add(values[i - k], tap[static_cast<std::size_t>(k)]);
+        sum.add_to(pixels + Values::count * static_cast<std::size_t>(i));
     }
 }
 
@@ -115,12 +117,12 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
 /// belongs to the pixel `first`; `padding` zeros surround `values` in memory.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
-                                                    std::span<const double> taps, int first, double y,
-                                                    int begin, int end, double* row) {
+                                                    std::span<const double> taps, int first, int begin,
+                                                    int end, double* row) {
     const int last = static_cast<int>(values.size()) - 1, last_tap = static_cast<int>(taps.size()) - 1;
     const int from = std::max(begin, first), to = std::min(end, first + last + last_tap + 1);
     const auto add_few = [&]<int taps_end>() __attribute__((always_inline)) {
-        convolve_few<Values, taps_end>(values.data() + (from - first), taps.data(), y, to - from,
+        convolve_few<Values, taps_end>(values.data() + (from - first), taps.data(), to - from,
                                        row + Values::count * static_cast<std::size_t>(from));
     };
     switch (taps.size()) {
@@ -142,7 +144,7 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
         const int tap_end = std::min(last_tap, at - first);
         for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
             sum.add(values[static_cast<std::size_t>(at - first - tap)], taps[static_cast<std::size_t>(tap)]);
-        sum.add_to(row + Values::count * static_cast<std::size_t>(at), y);
+        sum.add_to(row + Values::count * static_cast<std::size_t>(at));
     }
 }
 
@@ -165,12 +167,12 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 /// - `changes`: differences to the pixel on the left, for the kernel's uniform interior
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
-                                                   const KernelRow& row, int x, double y, int width,
-                                                   double* sums, double* changes, std::vector<double>& taps) {
+                                                   const KernelRow& row, int x, int width, double* sums,
+                                                   double* changes, std::vector<double>& taps) {
     const float* tap = kernel.taps.data() + row.tap;
     if (row.inner_begin == row.inner_end) {
         taps.assign(tap, tap + (row.x_end - row.x_begin));
-        convolve<Values>(values, taps, x + row.x_begin, y, 0, width, sums);
+        convolve<Values>(values, taps, x + row.x_begin, 0, width, sums);
         return;
     }
     int from = 0;
@@ -180,26 +182,26 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
             const int column = -x - static_cast<int>(i);
             if (column >= row.x_begin && column < row.x_end) sum.add(values[i], kernel.at(row, column));
         }
-        sum.add_to(changes, y);
+        sum.add_to(changes);
         from = 1;
     }
     const auto inner = static_cast<double>(kernel.inner);
     const int left = row.inner_begin - row.x_begin, right = row.x_end - row.inner_end;
     set_differences(tap, left, 0, inner, taps);
-    convolve<Values>(values, taps, x + row.x_begin, y, from, width, changes);
+    convolve<Values>(values, taps, x + row.x_begin, from, width, changes);
     set_differences(tap + left, right, inner, 0, taps);
-    convolve<Values>(values, taps, x + row.inner_end, y, from, width, changes);
+    convolve<Values>(values, taps, x + row.inner_end, from, width, changes);
 }
 
 /// Blurs a single sample, and adds it to one row of pixels. The arguments are those of add_run.
 template <typename Values>
 __attribute__((always_inline)) inline void add_one(const Values& values, const Kernel& kernel,
-                                                   const KernelRow& row, int x, double y, int width,
-                                                   double* sums, double* changes) {
+                                                   const KernelRow& row, int x, int width, double* sums,
+                                                   double* changes) {
     const auto add = [&](double* pixels, int at, double tap) __attribute__((always_inline)) {
         Values product{};
         product.add(values, tap);
-        product.add_to(pixels + Values::count * static_cast<std::size_t>(at), y);
+        product.add_to(pixels + Values::count * static_cast<std::size_t>(at));
     };
     const auto add_taps = [&](const float* taps, int begin, int end) __attribute__((always_inline)) {
         const int to = std::min(end, width);
@@ -232,7 +234,8 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
         const LayerSplat& s = pass.splats[i];
         const int x = s.x - pass.rows.x_begin;
         for (std::size_t k = 0; k < run; ++k)
-            values[padding + k] = Values(pass.splats[i + k], x + static_cast<int>(k));
+            values[padding + k] =
+                Values(pass.splats[i + k], x + static_cast<int>(k), s.y - pass.rows.y_begin);
         std::fill_n(values.data() + padding + run, padding, Values{});
         i += run;
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
@@ -244,12 +247,11 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
             const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
             double* sums = pass.sums + offset;
             double* changes = pass.changes + offset;
-            const double of_anchor = s.y - pass.rows.y_begin;
             if (run == 1) {
-                add_one(values[padding], kernel, row, x, of_anchor, width, sums, changes);
+                add_one(values[padding], kernel, row, x, width, sums, changes);
             } else {
-                add_run<Values>(std::span(values).subspan(padding, run), kernel, row, x, of_anchor, width,
-                                sums, changes, *pass.taps);
+                add_run<Values>(std::span(values).subspan(padding, run), kernel, row, x, width, sums, changes,
+                                *pass.taps);
             }
         }
     }
