@@ -1,6 +1,8 @@
 #include "focus/layers/layer_sums.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/multiversion.h"
 
@@ -81,7 +83,7 @@ struct LayerPass {
 constexpr std::size_t longest_run = 64;
 /// Number of zeros before and after a row of samples in memory, so that short convolutions need no test for
 /// the row's ends.
-constexpr std::size_t padding = 4;
+constexpr std::size_t padding = 8;
 
 /// Returns how many of the first samples can be blurred together: neighbours with the same kernel. Returns 0
 /// if the kernel does not reach the pixels `rows`.
@@ -125,20 +127,11 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
         convolve_few<Values, taps_end>(values.data() + (from - first), taps.data(), to - from,
                                        row + Values::count * static_cast<std::size_t>(from));
     };
-    switch (taps.size()) {
-        case 1:
-            return add_few.template operator()<1>();
-        case 2:
-            return add_few.template operator()<2>();
-        case 3:
-            return add_few.template operator()<3>();
-        case 4:
-            return add_few.template operator()<4>();
-        case 1 + padding:
-            return add_few.template operator()<1 + padding>();
-        default:
-            break;
-    }
+    const auto add_if_few = [&]<std::size_t... n>(std::index_sequence<n...>) __attribute__((always_inline)) {
+        return ((taps.size() == n + 1 && (add_few.template operator()<static_cast<int>(n) + 1>(), true)) ||
+                ...);
+    };
+    if (add_if_few(std::make_index_sequence<1 + padding>())) return;
     for (int at = from; at < to; ++at) {
         Values sum{};
         const int tap_end = std::min(last_tap, at - first);
