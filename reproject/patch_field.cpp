@@ -45,8 +45,9 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views of an image square, rays replace all further samples of mirrors and glass if the
-/// records determine less than half of those so far. Rays are then faster.
+/// Number of views (images for one lens point and instant) after which an image square is tested. If the
+/// recorded surfaces determine less than half of its mirror and glass samples, later views replace all of
+/// them by rays. Rays are then faster.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -181,7 +182,8 @@ class Field {
         return false;
     }
 
-    /// Quickly excludes static patches (planar parts of surfaces) that one view does not show in a tile.
+    /// Quickly excludes static patches (planar parts of surfaces) that one lens point does not see in a given
+    /// tile (square of the image).
     class ViewReach {
       public:
         ViewReach(const LensShift& lens, const TilePlace& at)
@@ -256,8 +258,8 @@ class Field {
         }
     }
 
-    /// Discards a pixel's recorded surface if an unrecorded object just outside the recorded image area might
-    /// hide it.
+    /// Seen from the lens point of this view, an unrecorded object outside the recorded image may hide
+    /// recorded surfaces. Removes the recorded surface from each pixel in which this may happen.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -279,8 +281,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Surfaces may hide highlights. So with highlights, surfaces are drawn even if traced rays replace
-        // the colour of every pixel.
+        // Surfaces are drawn to find their colours, and also their depths, because surfaces hide highlights.
+        // So with highlights, surfaces are drawn even if traced rays replace the colours of all pixels.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -325,8 +327,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Fast case of add_some: the image is made from one recorded instant, and the lens does not vignette
-    /// (PatchView::passes).
+    /// Adds the view's colour in each pixel to the sum over all views. This is faster than add_some, but the
+    /// view must come from a single recorded instant, without vignetting (PatchView::passes).
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -334,8 +336,9 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds the colours that recorded instant `u` contributes to the pixels of this view. Vignetted pixels
-    /// (PatchView::passes) add black.
+    /// Adds the view's colour in each pixel to the sum over all views. If the view blends two recorded
+    /// instants, adds only the share of instant `u` (0 or 1). Pixels that vignetting blocks
+    /// (PatchView::passes) add black. `trees`: whether to add reflections and refractions, too.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;

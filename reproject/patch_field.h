@@ -22,8 +22,8 @@ struct PatchInstant {
     const PatchMesh* deeper = nullptr;
 };
 
-/// The image that one lens point sees at one instant. It is reprojected from the surfaces recorded at one
-/// instant, or blended from two.
+/// A view: the image that one lens point sees at one instant. Surfaces are recorded only at a few instants.
+/// The view is reprojected from one of these, or blended from two of them.
 struct PatchView {
     glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
@@ -39,7 +39,8 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Copied into the rays (SightLine) that are traced for this view; `number` becomes SightLine::view.
+    // These four members are copied into every ray (SightLine) that is traced for this image. `number` is
+    // called `view` there.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -63,55 +64,62 @@ enum class LeftToRays : std::uint8_t {
 /// A set of views (images for one lens point and instant). Their mean is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Returns whether this set draws the image square whose upper left pixel is (x, y). If empty, the set
-    /// draws all squares.
+    /// Returns whether the views (images for one lens point and instant) are drawn in the image square whose
+    /// upper left pixel is (x, y). If this function is empty, they are drawn in all squares.
     std::function<bool(int x, int y, int width, int height)> wanted;
     /// Adds highlights (small bright spots, which the lens blurs over many pixels) to the image. May be null.
     /// Called by several threads.
     const class Lights* lights = nullptr;
-    /// Traces the samples whose colour the recorded surfaces do not determine, such as those at edges. If
-    /// null, no rays are traced.
+    /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
+    /// If null, no rays are traced.
     const SightRays* rays = nullptr;
     /// Returns which samples rays replace in the image square that contains pixel (x, y). If empty,
     /// LeftToRays::unsure holds.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Selects views whose recorded colour in pixel (x, y) is compared with a traced ray, to measure the
-    /// error. Appends their indices. Optional; needs `rays`.
+    /// To measure the image's error, rays check the recorded colour of pixel (x, y) in some views (images for
+    /// one lens point and instant). Appends the indices of these views to `views`. Optional; requires `rays`,
+    /// the ray tracer.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Returns the probability with which pixel (x, y) was selected for extra rays towards highlights, to
-    /// measure their error; 0 if not selected. Optional; needs `checked`.
+    /// To measure the error of highlights (small bright spots), extra rays are aimed at them from randomly
+    /// selected pixels. Returns the probability with which pixel (x, y) was selected, or 0 if it was not.
+    /// Optional; requires that the function `checked` is set.
     std::function<double(int x, int y)> aimed;
-    /// Index, in the argument `out` of patch_field, of the image that these views form. Several sets may draw
-    /// different squares of one image.
+    /// Index of the output image, in the argument `out` of patch_field, that stores the mean of these views.
+    /// Several sets of views (PatchViews) may have the same index, if they draw different squares of the
+    /// image.
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Returns the number of an object's group. All objects of a group move alike. Only called if objects
-    /// move or `class_marks` is not empty.
+    /// Maps an object's id to the number of its group; all objects of a group have the same motion. Only
+    /// needed if objects move or `class_marks`, the next member, is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each group of objects that move alike, the bits to set in PatchPicture::touched; 0 for groups at
-    /// rest. If empty, `touched` is not computed.
+    /// Has one bit mask per group of objects with the same motion. The masks mark, in PatchPicture::touched,
+    /// which pixels the group may change. A group at rest has the mask 0. If this list is empty, `touched` is
+    /// not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
-    /// Each task draws an image square with this edge, in px. It must be SeenTile::edge (64 px) divided by a
-    /// power of two.
+    /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
+    /// SeenTile::edge (64 px) divided by a power of two.
     int piece_px = SeenTile::edge;
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The recorded raster rectangle (the end is exclusive). If set, unrecorded objects outside it may hide
-    /// what a view sees. Required with rays.
+    /// The rectangle of recorded pixels (the end is exclusive). If it is set, and rays are traced or objects
+    /// move, pixels that may show an unrecorded object from outside the rectangle count as unknown. Required
+    /// if rays are traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of a lens point, in m, multiplied by the film distance in px. Required with rays
-    /// or highlights.
+    /// Largest |x| and |y| of all lens points, in m, multiplied by the film distance in px. Required with
+    /// rays or highlights, because they need the surfaces that any lens point sees, even if no view uses this
+    /// lens point.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// The directly visible surface in each pixel of an image square, for each view (image for one lens point and
-/// instant). If a view blends two recorded instants, only the first is stored.
+/// For each view (image for one lens point and instant): the nearest surface in each pixel of a square of the
+/// image. If a view blends two recorded instants, only the surfaces of the first, PatchView::uses[0], are
+/// stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
@@ -123,8 +131,9 @@ struct TileViews {
     const PatchMesh* patches = nullptr;
 };
 
-/// The highlights of an image: radiance above a limit, which is removed from the reprojected surfaces.
-/// Instead, the lens's point spread function spreads this light over pixels.
+/// The highlights of an image: the part of the surfaces' radiance that exceeds a limit. Only this excess is
+/// removed from the reprojected surfaces. The lens's point spread function distributes it over the pixels
+/// instead.
 class Lights {
   public:
     Lights() = default;
@@ -135,12 +144,13 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether light of any highlight reaches a rectangle of the image, in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`: the highlights' r, g and b, and the mean square of their
-    /// brightest channel over the lens. Rows have TileViews::row pixels.
+    /// Adds four values per pixel to `light`. The first three are the red, green and blue light of the
+    /// highlights. The fourth is the square of their brightest channel, averaged over all lens points. Each
+    /// row of `light` has TileViews::row pixels.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A random ray from a pixel to a highlight. The mean of `scale` times the radiance along such rays
-    /// estimates the highlights' light in the pixel.
+    /// A random ray from a pixel towards a highlight (small bright spot). The light that the pixel receives
+    /// from all highlights is estimated as the mean, over such rays, of the ray's radiance times `scale`.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -154,8 +164,9 @@ class Lights {
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Compares traced rays with recorded colours in one pixel, to measure the error of the image. A view's
-/// residual is the ray's radiance minus the recorded one, or 0 if the image uses the ray.
+/// Measures the error of one pixel: compares traced rays with recorded colours in some views (images for one
+/// lens point and instant). A view's residual is the ray's radiance minus the recorded radiance. It is 0 if
+/// the image itself uses the ray, because then there is no error.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
@@ -171,7 +182,8 @@ struct HighlightCheck {
     std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
     std::uint32_t aimed = 0;           ///< number of these rays
     float aimed_share = 0;             ///< the result of PatchViews::aimed
-    /// Error of the image: the light found by rays towards highlights, minus the light in the image.
+    /// Returns the error of this pixel's highlights: their light according to the rays aimed at them, minus
+    /// their light in the image. 0 if no rays were aimed at them.
     [[nodiscard]] double residual(std::size_t channel) const {
         return aimed > 0
                    ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])
@@ -186,32 +198,34 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted fraction of the views in which a reflection or refraction was not recorded.
-    /// Reduced if these surfaces are dark in the whole tile.
+    /// Per pixel: weighted fraction of the views in which a reflection or refraction was not recorded. If the
+    /// unrecorded light is known to be darker than the pixel, the fraction is scaled down, because the error
+    /// is then small.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
     std::vector<float> traced;
-    /// Per pixel: differences between traced rays and recorded colours, to measure the error. Empty unless
-    /// PatchViews::checked is set.
+    /// Per pixel: result of comparing traced rays with recorded colours, to measure the error of the image.
+    /// PatchViews::checked selects what is compared; if it is not set, this list is empty.
     std::vector<PixelCheck> checks;
-    /// Per pixel: differences between traced and computed highlights. Empty without highlights or
-    /// PatchViews::checked.
+    /// Per pixel: the light of highlights in the image, and the same light measured with rays, which shows
+    /// its error. Empty if the image has no highlights or PatchViews::checked is not set.
     std::vector<HighlightCheck> highlight_checks;
-    /// Per pixel: mean squared radiance of the highlights over the lens (fourth value of Lights::add). Empty
-    /// without highlights.
+    /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
+    /// Lights::add). Empty if the image has no highlights.
     std::vector<float> light_square;
-    /// Per pixel: bits (PatchField::class_marks) of the moving objects that may change it. All bits are set
-    /// where a view sees something unrecorded.
+    /// Per pixel: a bit mask that tells which moving objects may change the pixel. It combines the masks of
+    /// these objects (PatchField::class_marks). All bits are set where some view sees nothing recorded.
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws each image of `out` (field.width x field.height px) as the mean of views, i.e. images for one lens
-/// point and instant. Image squares that no set of views draws keep their values. The result is bit-identical
-/// for any number of threads.
+/// Draws each image of `out` (field.width x field.height px) as the mean of its views. A view is the image
+/// for one lens point and instant. Image squares that no element of `field.sets` draws keep their values. The
+/// result is bit-identical for any number of threads.
 ///
-/// Several calls give the same result as one, unless there are rays and moving objects. Then, rays may
-/// replace more surfaces if a call has more views.
+/// The sets of views may be divided among several calls, with the same result, unless rays are traced and
+/// objects move. Then a call with more views may trace more rays, because the views also serve to estimate
+/// the paths of moving objects.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

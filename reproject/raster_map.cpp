@@ -36,8 +36,9 @@ dmat4 camera_from_raster(const SampleHeader& h) {
     const double scale =
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
-    // For a perspective camera, this matrix maps (x, y, 1, 1/z) to the camera-space point times 1/z. For an
-    // orthographic one, it maps (x, y, z, 1) to the point.
+    // Maps raster position (x, y), in px, and depth z, in m, to a point in camera space. For a perspective
+    // camera, the matrix maps (x, y, 1, 1/z) to this point times 1/z. For an orthographic camera, it maps (x,
+    // y, z, 1) to the point itself.
     return perspective
                ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
@@ -60,8 +61,9 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // `q` is the mapped point in homogeneous coordinates; `q_x` and `q_y` are its derivatives. `by_depth` is
-    // the derivative of z with respect to 1/z, used for an orthographic camera.
+    // `q` is the point `p` after the motion, in homogeneous coordinates; `q_x` and `q_y` are its derivatives
+    // along the surface. For an orthographic camera, the matrix acts on z instead of 1/z. So slopes of 1/z
+    // are multiplied by `by_depth`, the derivative of z with respect to 1/z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

@@ -40,7 +40,8 @@ class RasterMap {
     /// behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
     /// Linearises the motion around the surface point `p`. `slope` is the gradient of inverse depth, per px;
-    /// `reach` is half the surface's size in px. Returns nothing if a part would lie behind the camera.
+    /// `reach` is half the surface's size in px. Returns nothing if a part of the surface would move behind
+    /// the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -53,10 +54,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// How far the image of a surface moves if a lens point sees it instead of the pinhole. The recorded matrix W
-/// describes this motion; a directly visible surface at depth z' has W = I / z'.
-/// With the focus distance s and the lens point `lens_px`, the image moves by `(I / s - W) lens_px +
-/// offset_px`. So surfaces in focus move only by `offset_px`.
+/// How far the image of a surface point moves if a lens point sees it instead of the pinhole: by `(I / s - W)
+/// lens_px + offset_px`. s is the focus distance and I the unit matrix.
+/// The 2x2 matrix W is recorded for each surface point. If the point is directly visible and has the depth
+/// z', then W = I / z'. So points in focus move only by `offset_px`.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -65,8 +66,9 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Combines the motion of an object and the image shift by the lens into one map. Only for directly visible
-/// surfaces. `motion` must be perspective unless the shift is 0.
+/// Combines the motion of an object and the displacement of its image by the lens into one map. The object
+/// must be directly visible, because reflections have no such map. `motion` must belong to a perspective
+/// camera, unless `lens` causes no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// Returns the matrix from raster points to homogeneous camera coordinates, in m, at the frame's instant. The
@@ -74,8 +76,8 @@ struct LensShift {
 /// A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motions of all objects, as seen on the raster. At first, these are the motions in the sample file's
-/// header.
+/// The motions of all objects, as seen on the raster. They are read from the sample file's header;
+/// set_displacement and set_keys replace them.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
@@ -83,13 +85,13 @@ class FrameMotion {
     /// Displacement on the raster, in px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
     /// Replaces the motion of one object's pixels in the image. `displacement` must include the motion that
-    /// the camera causes.
+    /// the camera causes. `breaks_s` lists the instants at which the velocity changes abruptly.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
     /// Replaces the rigid motion of one object in the world. The camera's motion stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the map of the object's raster positions and inverse depths from one instant to another.
-    /// Exactly the identity if nothing moves. `id` 0 is the background at infinity.
+    /// Returns the object's motion from one instant to another. The result maps raster positions and inverse
+    /// depths. It is exactly the identity if nothing moves. `id` 0 is the background at infinity.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
     /// Returns the instants, in ascending order, at which the velocity of the object or the camera may change
     /// abruptly.

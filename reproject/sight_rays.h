@@ -15,15 +15,15 @@
 
 namespace postlens {
 
-/// A ray through one pixel and one lens point at one instant. It computes the colour that the view from this
-/// lens point has in the pixel.
+/// A ray through one pixel and one lens point at one instant. Its radiance is the colour of the pixel in the
+/// image that this lens point sees.
 struct SightLine {
     int x = 0, y = 0;           ///< pixel, raster px
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Random seed of the ray. Rays with the same `set` have stratified samples of lights and scattering
-    /// lobes; different sets are independent.
+    /// `set` and `view` are the random seed of the ray; `view` is its number within the set. Rays of the same
+    /// set have stratified samples of lights and scattering lobes; different sets are independent.
     std::uint32_t set = 0, view = 0;
 };
 
@@ -34,8 +34,8 @@ inline SightLine line_through(const glm::dvec2& at) {
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
 }
 
-/// Bright radiance that the lens's point spread function adds to the image as highlights. Rays leave it out,
-/// so that it is not counted twice.
+/// Bright radiance that traced rays must leave out. The lens's point spread function adds it to the image as
+/// highlights, so it would be counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
     /// Returns whether the radiance of a surface is clamped. An empty function means that nothing is clamped.
@@ -79,8 +79,9 @@ class SightRays {
     /// True if a point of the object has the same radiance for all rays that reach it by `path`. False if the
     /// radiance is estimated from random samples of lights or scattering lobes.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns how many planar parts of reflected or transmitted surfaces can be drawn in the time of one
-    /// ray. Where more would be drawn per pixel, rays are traced instead.
+    /// Returns the cost of a ray: the number of reflected or transmitted patches (planar parts of surfaces)
+    /// that can be drawn in the same time. If more patches per pixel would have to be drawn, rays are traced
+    /// instead.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

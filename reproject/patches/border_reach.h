@@ -23,8 +23,9 @@ class BorderReach {
     /// Returns whether an unrecorded surface beyond the raster's border may cover a part of the tile in some
     /// view.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Where an unrecorded surface beyond the raster's border may cover a pixel of the view, writes its
-    /// assumed inverse depth to SeenTile::maybe_inverse_z.
+    /// Finds the pixels of a view that a surface from outside the recorded image may cover, assuming that the
+    /// recorded surfaces at the border continue. Writes the inverse depth of the assumed surface to
+    /// SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -33,7 +34,8 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// Bounds of the displacement, in px, that the lens causes in any view.
+    /// Bounds how far, in px, the image of a surface point moves if a view's lens point sees it instead of
+    /// the pinhole.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();
@@ -47,16 +49,18 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in px, of the pixels at this side of the raster in all views: `deepest_px`
-        /// into the raster, `sideways_px` along the side.
+        /// Largest distances, in px, by which any view displaces the recorded pixels at this side of the
+        /// image: `deepest_px` towards the image's interior, `sideways_px` parallel to the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to cover a pixel displacement of `moved_px`, with a
-        /// tolerance of `around_px` per axis.
+        /// Enlarges the bounds of displacement, `deepest_px` (towards the image's interior) and `sideways_px`
+        /// (parallel to this side), to include a pixel that moves by `moved_px`. `around_px` is added as a
+        /// tolerance per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Where a view sees a pixel of the raster's border, in raster px: `along` the border, and `across` it.
+    /// Position, in raster px, at which a view shows a pixel from the border of the recorded image. `along`
+    /// is the coordinate parallel to the border, `across` the one perpendicular to it.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

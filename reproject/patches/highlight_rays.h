@@ -1,5 +1,5 @@
-// Measures the error of highlights (bright spots that the lens blurs over many pixels) with rays aimed at
-// them.
+// Measures the error of an image's highlights (bright spots that the lens blurs over many pixels). The light
+// that they add to a pixel is compared with the light that rays from the pixel find in their direction.
 #pragma once
 
 #include <array>
@@ -18,8 +18,9 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Traces rays towards the highlights to measure their error, and sets `sums`. `light` comes from
-    /// Lights::add. Rays of the first round are counted in `checks`.
+    /// Compares the highlights' light in each pixel, `light` (from Lights::add), with rays traced towards the
+    /// highlights. Stores the results in the member `sums`. A first round of rays decides how many rays a
+    /// pixel needs; `checks` counts only this round.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

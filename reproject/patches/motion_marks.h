@@ -26,15 +26,15 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether any of these directly visible surface parts belongs to an object with a bit of
-    /// PatchField::wanted_marks.
+    /// Returns whether any of the given patches (parts of visible surfaces) belongs to a wanted object. An
+    /// object is wanted if its bit mask (PatchField::class_marks) has a bit of PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks pixels where a moving object was recorded, because its motion uncovers the background there.
-    /// `mesh` holds the visible surfaces in the tile.
+    /// Marks the pixels of a tile in which a moving object was recorded. Such pixels change, because the
+    /// object moves away and uncovers the background. `mesh` holds the visible surfaces in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks pixels in which the view shows a moving object or nothing recorded. `seen` has one element per
-    /// recorded instant of the view.
+    /// Marks the pixels in which the view shows a moving object, and those in which it shows no recorded
+    /// surface. `seen` has one element for each recorded instant from which the view is made (one or two).
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

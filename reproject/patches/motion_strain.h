@@ -11,11 +11,12 @@
 
 namespace postlens {
 
-/// Bounds how much the motions of an object, in all views of an image, distort a part of its surface
-/// (PatchLens::motion).
+/// Computes an upper bound of how much motion distorts the image of a part of an object's surface during the
+/// exposure. Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// For each view, the motions of all groups of objects that move alike. It suffices to sample
-    /// `strain_views` instants, uniform over the exposure.
+    /// For each tested instant: the motions, on the raster, of all groups of objects (the objects of a group
+    /// have the same motion). `strain_views` instants, uniform over the exposure, are enough to find the
+    /// largest distortion.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -14,13 +14,13 @@ namespace {
 /// edge-on, and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of an image row that SIMD code processes together: few_lanes if the drawn patch has no
-/// more samples in any row, otherwise most_lanes.
+/// Number of samples of an image row that SIMD code processes together. `few_lanes` is used if the drawn
+/// patch covers at most 8 samples of each row, `most_lanes` otherwise.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The rectangle of a tile's samples that a planar patch may cover. In the patch's coordinates, sample i of
-/// row j lies at first(j) + i * (by_x, by_y).
+/// The rectangle of a tile's pixels that a planar patch may cover. Each pixel has one sample. In the patch's
+/// coordinates, the i-th sample of the rectangle in row j lies at first(j) + i * (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -41,8 +41,8 @@ struct Run {
     }
 };
 
-/// Consecutive samples of an image row, for SIMD code. Each has the index of the patch's pixel (cell) that it
-/// shows, its position in this pixel, and its inverse depth.
+/// Consecutive samples of an image row, for SIMD code. A patch consists of recorded pixels, called cells.
+/// Each sample has the index of the cell that it hits, its position in the cell, and its inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -59,8 +59,8 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Neighbouring patches overlap slightly, to avoid cracks. In the overlap, this factor reduces a patch's
-/// inverse depth, so that the patch lies behind its neighbour.
+/// Each patch is drawn slightly beyond its edges, to avoid cracks between neighbours. Beyond its edges, its
+/// inverse depth is multiplied by this factor, so that it lies behind the neighbouring patch.
 constexpr float in_overlap = 1 - 1e-3F;
 
 /// A table of 1 << n, because some SIMD instruction sets cannot shift each element by a different number of
@@ -73,9 +73,11 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes where samples begin to begin + lanes - 1 of an image row hit a planar patch. In the patch's
-/// coordinates, sample 0 of the row lies at `first`.
-/// Bit n of the result: sample begin + n hits the patch, nearer than the inverse depth there[n].
+/// Tests which samples of an image row hit a planar patch: the samples with indices from `begin` to begin +
+/// lanes - 1. Stores where they hit it in `lane`. `first` is the position of sample 0, in the patch's
+/// coordinates.
+/// Bit n of the result is set if sample begin + n hits the patch in front of the surface drawn before.
+/// there[n] is the inverse depth of that surface.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -94,8 +96,9 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        // Neighbouring patches overlap slightly, to avoid cracks. In the overlap, a patch lies farther back
-        // than the neighbour to which the sample belongs.
+        // Each patch is drawn slightly beyond its edges, to avoid cracks between neighbours. There, its
+        // inverse depth is reduced, so that the neighbouring patch, to which the sample belongs, stays in
+        // front.
         const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
@@ -109,8 +112,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples n that lie on the mirror or glass object `id`. The surfaces seen in this
-/// object are drawn only there.
+/// Returns a bit mask of the samples that show the mirror or glass object `id`: bit n is set if in[n] equals
+/// `id`. Reflections and refractions of this object are drawn only in these samples.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -133,8 +136,9 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws a patch in the samples whose bit is set in `found`, except in holes (empty quadtree leaves). A SIMD
-/// gather would not be faster, because half of the bits are 0.
+/// Draws a patch into consecutive samples of an image row: into sample n if bit n of `found` is set and the
+/// patch has no hole there (empty quadtree leaf). A SIMD gather would not be faster, because half of the bits
+/// are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -208,8 +212,8 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// Returns the rectangle of samples in `part` of a tile that a planar patch may cover, or nothing if there
-/// are none.
+/// Returns the rectangle of pixels, inside the rectangle `part` of a tile, that a planar patch may cover.
+/// Returns nothing if it covers none.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -275,7 +279,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, because draw_patch_in also tests samples left of `part`.
+        // Clears the whole row, not only the columns of the rectangle `part`, because draw_patch_in tests
+        // samples from the tile's left border on.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -310,7 +315,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
     draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
-    // Where the mirror or glass in front is unrecorded, inaccurately reprojected surfaces are not drawn.
+    // Also draws the patch in pixels where the mirror or glass that shows it is unrecorded. Only accurately
+    // reprojected patches (not `bent`) are drawn there.
     if (!wanted.any_gaps || patch.bent) return;
     draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }

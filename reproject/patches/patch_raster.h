@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` that marks a reflection or refraction whose motion over the lens is too nonlinear to be
-    /// reprojected accurately (Patch::bent).
+    /// Bit of `texel` that marks a reflection or refraction whose image moves too nonlinearly with the lens
+    /// point to be reprojected accurately (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// Padding for SIMD code, which reads 16 values at a time, even beyond the end of the last row.
@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth, in 1/m, of the nearest surface that may cover the pixel, because its exact edge is
-    /// unknown (SheetNode::maybe); -1 if none.
+    /// Where the exact edge of a surface is unknown (SheetNode::maybe), the surface may or may not cover the
+    /// pixel. This is the inverse depth, in 1/m, of the nearest such surface; -1 if there is none.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -79,8 +79,9 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns false only if no pixel was added in the rectangle [x0, x1] x [y0, y1], in px from the tile's
-    /// corner.
+    /// Returns whether a rectangle touches an 8 x 8 px block that contains an added pixel. So the result may
+    /// be true although the rectangle itself contains none. The rectangle is [x0, x1] x [y0, y1], in px from
+    /// the tile's corner.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -134,9 +135,11 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 /// drawn as separate surfaces.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a reflected or transmitted patch, with a depth test, in the pixels of `wanted`, which show its
-/// mirror or glass. It may be mirror-inverted. It is skipped if the view stretches it more than
-/// `largest_torn_px` times. `out` must come from find_wanted.
+/// Draws a patch (planar part of a surface) that is seen in a mirror or through glass, with a depth test.
+/// Draws it only in the pixels of `wanted`, which show this mirror or glass. The patch may be
+/// mirror-inverted.
+/// Draws nothing if one recorded pixel of the patch would be stretched to more than `largest_torn_px` px.
+/// `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

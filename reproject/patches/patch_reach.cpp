@@ -8,8 +8,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // W describes how an image moves with the lens point. If W is not stored, the surface is seen directly,
-    // and W is 1/z' (p[0]) times identity.
+    // The 2x2 matrix W describes how a surface point's image moves with the lens point. Directly visible
+    // surfaces do not store it, because it is the unit matrix times the inverse depth 1/z' (p[0]).
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
@@ -26,8 +26,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // Safety margin, in px: 0.25 for the overlap of neighbouring patches, and a millionth of the coordinates
-    // for rounding errors.
+    // Safety margin of the patch's position, in px. 0.25 px cover the overlap of neighbouring patches. The
+    // rest covers rounding errors: a millionth of the position and of its largest displacements by the lens.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

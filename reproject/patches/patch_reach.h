@@ -21,8 +21,9 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the patch's bounding rectangle in one view. `lens` is LensShift::lens_px, in px m; `shift` is
-    /// the displacement of infinitely distant points, in px.
+    /// Returns the patch's bounding rectangle as seen from one lens point. `lens` is the lens point, in m,
+    /// times the film distance in px (LensShift::lens_px). `shift` is how far infinitely distant points
+    /// appear displaced, in px, compared with the pinhole.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -30,8 +31,9 @@ struct PatchReach {
     }
 };
 
-/// Bounds where any lens point sees a patch (planar part of a surface). `farthest_px`: largest |x| and |y| of
-/// a lens point (LensShift::lens_px). `shift_px`: largest image shift of surfaces at infinity.
+/// Computes the bounding rectangle of a patch (planar part of a surface) as a function of the lens point that
+/// sees it. `farthest_px`: largest |x| and |y| of all lens points (LensShift::lens_px). `shift_px`: largest
+/// displacement of infinitely distant points in the image.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

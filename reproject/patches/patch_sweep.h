@@ -10,23 +10,25 @@
 
 namespace postlens {
 
-/// Returns the number of a patch's group of objects that move alike. A reflected or transmitted patch moves
-/// with its mirror or glass.
+/// Objects with the same motion form a group. Returns the number of the group with which a patch moves. A
+/// patch that is seen by reflection or transmission moves with its mirror or glass.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Computes rectangles that contain a patch (planar part of a surface) as seen from all lens points and at
 /// all instants of an image.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`, and uses only its members `motion_class`, `lens_reach_px` and `sets`.
+    /// `field` describes what is drawn. Keeps a reference to it, and uses only its members `motion_class`,
+    /// `lens_reach_px` and `sets`.
     explicit PatchSweep(const PatchField& field);
     /// Returns the rectangle that contains the patch in all views, in raster px. It is empty if no view uses
     /// the recorded instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Range of the image shift by the lens over all views. A static patch moves affinely with the shift, so
-    /// the box's corners bound its positions.
+    /// Lower and upper limit of LensShift, the displacement of images by the lens, over all views. The
+    /// position of a static patch is an affine function of it, so the positions at the limits bound all
+    /// others.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves

@@ -10,19 +10,19 @@
 namespace postlens {
 namespace {
 
-/// Largest position error with which a blurred surface may be reprojected, as a fraction of the radius of its
-/// circle of confusion.
+/// Largest position error with which a blurred surface may be reprojected. It is a fraction of the surface's
+/// blur radius (the radius of its circle of confusion).
 constexpr double exact_share = 0.02;
-/// Depth tests move a hidden surface back, so that it does not show through a surface closely in front of it.
-/// Its inverse depth decreases by at most this fraction.
+/// Depth errors must not make a hidden surface show through a surface closely in front of it. So depth tests
+/// treat the hidden surface as farther away: its inverse depth is reduced by at most this fraction.
 constexpr double most_back = 0.02;
-/// A pixel of a surface is drawn in a single colour if its circle of confusion has at least this radius, in
-/// px. For an ellipse, the smaller semi-axis counts.
+/// If a surface's circle of confusion has at least this radius, in px, each recorded pixel of the surface is
+/// drawn in a single colour. If the circle is distorted to an ellipse, the smaller semi-axis counts.
 constexpr double coarse_from_px = 6;
 
 /// Fits planes, by least squares, to values that vary over a patch (part of a surface), such as inverse
-/// depth. Each pixel adds four points, (+-1/4, +-1/4) px from its centre. Positions are relative to the
-/// patch's corner.
+/// depth. Each pixel has its own recorded plane. The fit uses the values of this plane at four points,
+/// (+-1/4, +-1/4) px from the pixel's centre. Positions are relative to the patch's corner.
 template <std::size_t values>
 class Fit {
   public:
@@ -53,7 +53,8 @@ class Fit {
         }
     }
     /// Returns the largest difference between the fitted planes and a pixel's recorded `planes`, tested at
-    /// four points of the pixel.
+    /// four points of the pixel. Only values that determine positions are compared: inverse depth or, if
+    /// stored, the entries of W (motion with the lens point).
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -161,7 +162,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Motion is bounded only for directly visible surfaces, which store one plane per pixel (1/z').
+        // The distortion by motion is limited only for directly visible surfaces. They store a single plane
+        // per pixel (inverse depth), so `values` is 1.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -194,8 +196,9 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // The allowed error `within` grows without limit as the aperture shrinks. So the depth offset is
-            // limited to a fraction of the inverse depth.
+            // `within`, the allowed error of inverse depth, grows without limit as the aperture shrinks. So
+            // depth tests move the hidden surface back by twice this error, but at most by a fraction of its
+            // inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -221,7 +224,8 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // Computes the smaller singular value of I/s - W, with the unit matrix I and the focus distance s.
+    // Computes the smaller singular value of I/s - w, with the unit matrix I and the focus distance s. `w`
+    // describes how the image of the surface point moves with the lens point.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
@@ -312,8 +316,8 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Returns the inverse depth 1/z' of a rectangular part of a patch: its value at the part's corner, and its
-/// slopes along x and y.
+/// Returns the linear function that gives the inverse depth of a rectangular part of a patch: its value at
+/// the part's corner, and its slopes along x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -358,8 +362,9 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // The map to the raster is singular at the scene point's own depth, so a patch is divided near this
-        // depth.
+        // The part's inverse depths lie between `low` and `high`. At `light_per_m`, the inverse depth of the
+        // scene point, the part's map to the raster is singular. So a part is divided if its range of depths
+        // is large compared with its distance from this depth.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

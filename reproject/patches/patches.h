@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds of the distortion that any of several motions causes in the image of a part of a surface.
+/// Upper bounds, over several motions, of how much a motion can distort the image of a part of a surface.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -27,8 +27,9 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflection or refraction is drawn fixed to its surface if their displacements over the lens differ
-    /// by at most this many px. Negative: never.
+    /// Seen from other lens points, a reflection or refraction moves differently from its mirror or glass. If
+    /// the difference is at most this many px, it is drawn as if painted on the mirror or glass. Negative:
+    /// never.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest position error, in px, of a pixel that is reprojected to another lens point or instant.
@@ -36,8 +37,9 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Bounds the distortion of a surface part by motion in all views. Arguments: its centre, gradient of
-    /// 1/z', and half size. If empty, nothing moves.
+    /// Bounds how much motion distorts the image of a part of a surface in all views. Arguments: the surface,
+    /// the part's centre, its gradient of inverse depth, and half its size in px. If this function is empty,
+    /// nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
@@ -48,8 +50,8 @@ struct PatchLens {
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Images of reflected or refracted surfaces are assumed to move linearly with the lens point. If this causes
-/// a larger error, in px, the surface counts as insufficiently recorded (Patch::bent).
+/// The images of reflected or refracted surfaces are assumed to move linearly with the lens point. A surface
+/// for which this causes an error of more than this many px counts as insufficiently recorded (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a surface that is reprojected as a plane. It has the pixels [x, x + width) x [y, y + height) of
@@ -76,22 +78,24 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// Linear functions per patch, of the position in px from the patch's corner: 1/z', and, if stored, the
-    /// matrix entries xx, xy, yx and yy of W.
+    /// For each patch: linear functions of the position, in px from the patch's corner. The first is inverse
+    /// depth, 1/z'. If the matrix W (motion of images with the lens point) is stored, its entries xx, xy, yx
+    /// and yy follow.
     std::vector<CellPlane> planes;
-    /// For each surface piece (sheet), the bits (child_bit) of the reflections and refractions that are drawn
-    /// fixed to it (PatchLens::follow_px).
+    /// For each sheet (surface within a raster square): bits that tell whether its reflection and its
+    /// refraction are drawn as if painted on the surface, because they hardly move on it
+    /// (PatchLens::follow_px). child_bit returns the bits.
     std::vector<std::uint8_t> follows;
 
-    /// Returns which reflections and refractions of a surface are drawn as separate surfaces, as bits
-    /// (child_bit). `texel` is the index of its recorded colour.
+    /// Returns two bits (child_bit), which tell whether a surface's reflection and its refraction are drawn
+    /// as separate surfaces. `texel` is the index of a recorded colour of the surface.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether a recorded colour is uncertain, because an edge crosses its quadtree cell, on the
-    /// surface or in a reflection drawn fixed to it.
+    /// Returns whether a recorded colour is uncertain, because an edge crosses its quadtree cell. This may
+    /// also be an edge in a reflection or refraction that is drawn as if painted on the surface.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
@@ -125,13 +129,13 @@ struct PatchMesh {
 };
 
 /// Divides sheets (surfaces within squares of the raster) into patches, which are reprojected as planes.
-/// Patches are as large as possible, and at least one raster pixel. In any view, a larger patch's position
-/// error is at most PatchLens::exact_px or 1/50 of the circle of confusion's radius, whichever is larger. The
-/// result is deterministic.
+/// Patches are as large as possible, and at least one raster pixel. The position error of a larger patch is
+/// limited in every view: to PatchLens::exact_px or 1/50 of the circle of confusion's radius, whichever is
+/// larger. The result is deterministic.
 ///
-/// A surface closely behind another one (SheetKey::hidden) must not show through it. So depth tests reduce
-/// the inverse depth of its patches by Patch::back_per_m, the sum of the largest depth errors of two fitted
-/// planes.
+/// A surface closely behind another one (SheetKey::hidden) must not show through it because of depth errors.
+/// So depth tests treat its patches as farther away, by Patch::back_per_m. This is the largest depth error of
+/// one patch plus that of the patch in front.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
 /// Computes where a patch (planar part of a surface) appears in a view: first applies the object's motion,
@@ -150,17 +154,18 @@ struct PointRays {
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to those pixels of the scene point's circle of confusion whose rays it
-/// blocks. The map is linearised at the patch's centre. Returns false if it is singular.
+/// A patch may block some rays of a scene point, and so darken some pixels of the point's circle of
+/// confusion. Computes the map from the patch to these pixels, linearised at the patch's centre. Returns
+/// false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the parts of a patch that are nearer than 1 / `nearest_per_m`, with their maps to the raster
-/// (place_patch). They may hide a scene point of inverse depth `light_per_m`, which is at most
-/// `nearest_per_m`.
+/// Finds the parts of a patch that may hide a bright scene point of inverse depth `light_per_m`. Appends all
+/// parts with inverse depths above `nearest_per_m`, and their maps to the pixels in which they hide the point
+/// (place_patch). `nearest_per_m` must be at least `light_per_m`.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

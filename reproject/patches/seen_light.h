@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Sums over views (images for one lens point and instant), per pixel of a tile: r, g and b times the view's
-/// weight, and the weight.
+/// For each pixel of a tile: the sums of weight * r, weight * g, weight * b and weight over all views (images
+/// for one lens point and instant). Each view has its own weight.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -21,8 +21,9 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours that one view shows in the first `width` x `height` pixels of a tile to `sums`. Lists the
-/// pixels whose surface has recorded reflections or refractions in `with_children`.
+/// Adds the colours of one view (image for one lens point and instant) in the first `width` x `height` pixels
+/// of a tile to `sums`. Stores in `with_children` which of these pixels show a surface with reflections or
+/// refractions.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

@@ -60,8 +60,9 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // Adds a moving surface also to the tiles in which it was recorded, because its motion may
-            // uncover the background there (mark_recorded).
+            // A patch is listed for every tile in which some view may show it. A moving patch is also listed
+            // for the tiles in which it was recorded, because its motion may uncover the background there
+            // (mark_recorded).
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -22,8 +22,8 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// A range of a tile's patches (planar parts of surfaces): those that are seen by one sequence of reflections
-/// and transmissions.
+/// Those patches (planar parts of surfaces) of a tile that are seen by the same sequence of reflections and
+/// transmissions, `path`. In the tile's list, they have the indices [begin, end).
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -43,7 +43,8 @@ class PatchBins {
     PatchBins(const PatchField& field, const MotionMarks& marks);
     [[nodiscard]] int columns() const { return columns_; }
     [[nodiscard]] int rows() const { return rows_; }
-    /// Returns whether any recorded instant has surfaces seen by reflection or transmission.
+    /// Returns whether any recorded instant has surfaces seen by reflection or transmission, so that its eye
+    /// rays form trees.
     [[nodiscard]] bool trees() const { return trees_; }
     /// Returns the indices of the directly visible patches (planar parts of surfaces) that some view may show
     /// in the tile.
@@ -53,11 +54,12 @@ class PatchBins {
     /// Copies to `out` the directly visible patches (planar parts of surfaces) that some view may show in a
     /// rectangle. Empties the lists that gather_chains fills.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Returns whether more than `most` reflected or transmitted surface parts of one recorded instant may
-    /// appear in a rectangle of a tile.
+    /// Counts the patches that are seen by reflection or transmission and may appear in a rectangle of a
+    /// tile. Returns whether any recorded instant has more than `most` of them.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Call after `gather`. Adds the reflected and transmitted patches in the rectangle, and lists bounce
-    /// sequences without any, whose surfaces count as unrecorded.
+    /// Call after `gather`. Adds the patches that are seen by reflection or transmission in the rectangle,
+    /// ordered by their sequences of bounces. A sequence without a patch is also listed, so that the surfaces
+    /// seen by it count as unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
@@ -77,8 +79,9 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// Sorts patches into the tiles in which some view may show them: mirrors before their reflections, and
-    /// near before far, for early depth tests.
+    /// For each tile, lists the patches that some view may show in it. Mirrors come before the surfaces that
+    /// are seen in them. Then near patches come before far ones, so that depth tests reject hidden patches
+    /// early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     static void begin(const PatchMesh& mesh, TilePatches& out);

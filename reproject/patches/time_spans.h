@@ -1,5 +1,5 @@
-// Groups views (images for one lens point and instant) into short time spans, to quickly bound where moving
-// surfaces are seen.
+// Groups views (images for one lens point and instant) into short time spans. The positions of moving
+// surfaces are bounded by the first and last view of each span, which is faster than testing all views.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// The first and last view (image for one lens point and instant) in a span of 1/64 of the exposure. In
-/// between, moving surfaces are assumed to stray from a straight line by less than the line's length.
+/// The first and last view (image for one lens point and instant) in a span of 1/64 of the exposure. Between
+/// them, the image of a moving surface is assumed to stay near a straight line: its distance from the line is
+/// less than the line's length.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,9 +20,9 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Groups the views that show motion and use the records of `instant` into short time spans. Without rays,
-/// each view is a span of its own, because its PatchView::light_before need not be set. The result points
-/// into `field`.
+/// Groups those views that show moving surfaces, as recorded at `instant`, into short time spans. If no rays
+/// are traced, the time of a view (PatchView::light_before) may be unset, so each view becomes a span of its
+/// own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// A reflected or transmitted surface may not be recorded for some views. If fewer than this fraction of the
-/// views has it, the radiance seen from the pinhole is blended in.
+/// In some views, a reflected or transmitted surface may be unrecorded. If the surface is recorded in less
+/// than this fraction of the views, the radiance that the pinhole sees is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -83,8 +83,9 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Where the mirror or glass in front is unrecorded, the surface is drawn only if the nearest recorded
-        // surface towards the eye is part of the same object.
+        // The surface is drawn inside its mirror or glass. This may be unrecorded, such as the far side of a
+        // glass ball. Then the surface is drawn only if the nearest recorded surface towards the eye is part
+        // of the same object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -206,8 +207,8 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // If views need a surface with this sequence of bounces but none shows one, its radiance is unknown
-        // and may be arbitrarily large.
+        // `c` is one sequence of reflections and transmissions. If views need a surface seen by this sequence
+        // but no view shows one, its radiance is unknown and may be arbitrarily large.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -219,8 +220,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // Scales the sum up for views that lack the mirror or glass itself: they get the mean of the views
-        // that have it.
+        // In some views, the mirror or glass that shows this surface is unrecorded. These views are assumed
+        // to see the mean of the other views, so the surface's sum is scaled up to the weight of all views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -1,5 +1,6 @@
-// Sums reflected and transmitted radiance over all views (images for one lens point and instant). Each pixel
-// has one sum for each sequence of reflections and transmissions.
+// Computes the reflections and refractions in an image: averages reflected and transmitted radiance over all
+// views (images for one lens point and instant). Each pixel has one sum for each sequence of reflections and
+// transmissions.
 #pragma once
 
 #include <array>
@@ -24,24 +25,30 @@ namespace postlens {
 /// nodes are also drawn where their parent is missing.
 class TreeSums {
   public:
-    /// `paths`: all sequences of reflections and transmissions that may occur, in any order, possibly
-    /// repeated. `at`: the tile's pixels in use.
+    /// Begins a new tile (square of the image). `paths`: all sequences of reflections and transmissions that
+    /// may occur in it, in any order, possibly repeated. `at`: position of the tile, and the part of it that
+    /// is used.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Starts a view, or one of the two recorded instants that it blends. `primary`: its visible surfaces,
-    /// valid until all pixels have been added.
+    /// Begins a view (image for one lens point and instant). A view may be blended from two recorded
+    /// instants; then this function is called for each of them. `primary`: the visible surfaces, valid until
+    /// all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares to draw the surfaces seen by the bounces `path`. Stores the pixels that need them in
-    /// `wanted`, or returns null if none does. Draw shorter paths first.
+    /// Prepares to draw the surfaces that are seen by `path`, a sequence of reflections and transmissions.
+    /// Stores in `wanted` the pixels that show their mirror or glass. Returns the tile to draw into, or null
+    /// if there are no such pixels. Draw shorter sequences first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k: each is
-    /// visible, has no edge there, and is accurately reprojected.
+    /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
+    /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
+    /// reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the light of reflections and refractions that are drawn as separate surfaces in pixel k.
-    /// Requires sure(k).
+    /// Returns the light of the reflections and refractions in pixel k, except those that are drawn as if
+    /// painted on the mirror or glass. Only valid if they are recorded and accurate, that is, if sure(k) is
+    /// true.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
-    /// Adds the reflections and refractions that are drawn as separate surfaces in pixel k to the sums.
+    /// Adds the reflections and refractions in pixel k to the pixel's sums, except those that are drawn as if
+    /// painted on the mirror or glass. `weight` is the weight of the view.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
@@ -53,8 +60,8 @@ class TreeSums {
 
   private:
     struct Sums {
-        /// Sum over all views of the surface's radiance times the view's weight. It includes reflections that
-        /// are drawn fixed to the surface.
+        /// Sum over all views of the surface's radiance times the view's weight. The radiance includes
+        /// reflections that are drawn as if painted on the surface.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};  ///< weight times the pinhole's radiance, for views that lack the surface
@@ -76,8 +83,9 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Upper bound of the light that this sequence of bounces and longer ones can add to a pixel, for
-        /// views in which it is unrecorded.
+        /// Upper bound of the radiance that surfaces seen by this sequence of bounces add to a pixel, in
+        /// views in which they are unrecorded. It includes the surfaces seen by longer sequences, which begin
+        /// with this one.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -87,15 +95,17 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If a view lacks a mirror or glass in pixel k but shows surfaces seen in it, adds these surfaces
-    /// anyway. Returns whether there are any.
+    /// In some views, a mirror or glass is unrecorded in pixel k, but surfaces seen in it are recorded. Adds
+    /// these surfaces to the sums; returns whether there are any. `chain` is the sequence of bounces by which
+    /// the mirror or glass is seen.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the object that reflects or transmits these surfaces in pixel k. If it is unrecorded there,
-    /// the nearest recorded object towards the eye.
+    /// `chain` is a sequence of reflections and transmissions. Returns the id of the object at its last
+    /// bounce: the mirror or glass that shows surfaces in pixel k. If it is unrecorded, returns the nearest
+    /// recorded object towards the eye.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k for one sequence of bounces. The first call for a tile clears the sums of
-    /// all its pixels.
+    /// Returns the sums over views for pixel k and `chain`, one sequence of reflections and transmissions.
+    /// The first call for a tile sets the sums of all its pixels to 0.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

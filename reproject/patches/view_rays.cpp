@@ -5,8 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the area of the recorded image, in px^2, that one pixel of the view shows at raster point `p`, if
-/// the surface is parallel to the film. Returns nothing outside the recorded image.
+/// Returns how many px^2 of the recorded image appear in one pixel of the view, at raster point `p`. The
+/// surface is assumed to be parallel to the film. Returns nothing if the pixel shows a point outside the
+/// recorded image.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -63,8 +64,9 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Every pixel is written, because a branch would often be mispredicted. A pixel that needs no ray
-            // is overwritten by the next one.
+            // Every pixel is written to the end of the list `doubtful_`, but only pixels that may need a ray
+            // are counted. The next pixel overwrites one that was not counted. A branch would often be
+            // mispredicted.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

@@ -1,5 +1,6 @@
-// Selects pixels of single views (images for one lens point and instant) in which rays are traced. They
-// replace colours that the records do not determine, or check recorded colours.
+// Selects the pixels of single views (images for one lens point and instant) in which rays are traced. The
+// rays replace colours that the recorded surfaces do not determine, or measure the error of the other
+// colours.
 #pragma once
 
 #include <algorithm>
@@ -28,13 +29,14 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the object that pixel `k` shows, as recorded at instant `u` (0 or 1) of the view.
+    /// Returns the id of the object that pixel `k` shows. A view may blend two recorded instants; `u` (0 or
+    /// 1) selects one of them.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of the view's recorded instant `u` in pixel `k`. If both instants show the same
-    /// surface, their colours are blended. Otherwise the nearer surface counts, unless its outline is
-    /// imprecise.
+    /// A view may blend two recorded instants. Returns the weight of instant `u` (0 or 1) in pixel `k`. If
+    /// both instants show the same surface, their colours are blended. If not, only the nearer surface counts
+    /// or, if its outline is imprecise, only the farther one.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -44,10 +46,12 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether recorded instant `u` shows an outline in pixel `k` less precisely than the other
-    /// instant: by a quadtree leaf larger than the view's pixel, and recorded at a smaller size.
+    /// The object in pixel `k` is recorded at two instants. Returns whether instant `u` (0 or 1) has the less
+    /// precise outline: the object is recorded at a smaller size there, and its quadtree cells are larger
+    /// than the view's pixels.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
-    /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
+    /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
+    /// (x, y) is the pixel's position in the tile.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
@@ -69,20 +73,21 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Number of tested pixels whose surface reflects or transmits light, and number of those for which the
-    /// sample file determines this light.
+    /// Among the tested pixels: the number of those that show a mirror or glass, and of those whose reflected
+    /// and transmitted light is determined by recorded surfaces.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// One bit mask per pixel. If bit u is set, a ray replaces the colour that would be interpolated from
-    /// recorded instant u.
+    /// One bit mask per pixel. A view may blend two recorded instants, u = 0 and u = 1. If bit u is set, a
+    /// ray replaces the colour from instant u.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Schedules rays for the pixels in which the sample file does not determine the directly visible
-    /// surface. If something moves, also for mirrors and glass, because a reflection moves differently from
-    /// its mirror.
+    /// Schedules rays for the pixels whose directly visible surface is not determined by the sample file. If
+    /// something moves, also schedules rays for all mirrors and glass, because a reflection moves differently
+    /// from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays for the pixels in which the sample file does not determine the reflected or transmitted
-    /// light. `u` is the tested recorded instant.
+    /// Schedules rays for pixels that show mirrors or glass, if the sample file does not determine the
+    /// reflected or transmitted light. `trees` holds this light as recorded at instant `u` (0 or 1) of the
+    /// view.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -91,7 +96,8 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels that may need a ray. This quick test saves most of the slower tests in set_aside.
+    /// Lists the pixels that may need a ray, because their colour is missing or may be uncertain. For all
+    /// other pixels, this quick test saves the slower tests in set_aside.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -103,15 +109,16 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// Compares recorded colours with check rays, in selected pixels of single views. Check rays only measure the
-/// error of the recorded data.
+/// Measures the error of recorded colours. In selected pixels of single views, it compares them with traced
+/// rays (check rays), which do not change the image.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the colours that rays will check, unless a ray replaces them anyway. Call for each recorded
-    /// instant `u`. `number` is the index of the lens point; `trees` may be null.
+    /// Stores the recorded colours of the selected pixels, to compare them with rays later. Skips colours
+    /// that a ray replaces in the image anyway. `number`: index of the view. Call for each recorded instant
+    /// `u` of the view. `trees` may be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -123,8 +130,9 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Radiance, times weight, of the pixels that rays check: `noted_` per pixel, `recorded_` per ray. w is
-    /// the weight, the fraction that was not replaced by rays.
+    /// Recorded radiance times weight, which is compared with traced rays. `noted_` has one element per
+    /// selected pixel of the current view, `recorded_` one per ray. The component w is the weight: the
+    /// fraction of the colour that no ray replaces in the image.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -27,8 +27,9 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of used elements of node[]: 4 if each corner of the quadtree cell has a ray hit, or 1 for a
-    /// single hit, (at_x, at_y) px from the pixel's corner.
+    /// Number of used elements of node[], the indices of ray hits. It is 4 if there is a hit at each corner
+    /// of the quadtree cell, otherwise 1. The position of a single hit is (at_x, at_y), in px from the
+    /// pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
@@ -37,8 +38,9 @@ struct LeafPiece {
     bool maybe = false;
 };
 
-/// Divides the cells of quadtrees into pieces. If the rays through a cell's four corners hit one continuous
-/// surface, the cell is one piece. Otherwise each quarter is a piece that shows the surface at its corner.
+/// Divides quadtree cells into pieces that each show one surface. If the rays through a cell's four corners
+/// hit one continuous surface, the cell is one piece. Otherwise its quarters are pieces: each shows the
+/// surface that was hit at the cell's corner in this quarter.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
@@ -58,15 +60,16 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// True if inverse depths from `low` to `high`, in 1/m, may belong to one continuous surface within
-    /// `size` px.
+    /// Returns whether two points may belong to one continuous surface. Their inverse depths are `low` and
+    /// `high`, in 1/m; their distance in the image is `size`, in px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// Ray hits of one surface at the corners of a quadtree cell. If a ray hits the surface several times,
-    /// group n has the n-th nearest hits.
+    /// The hits of four rays, through the corners of a quadtree cell, on one surface. A ray may hit the
+    /// surface several times. The first group then has the nearest hit of each ray, the second group the
+    /// second nearest, and so on.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -76,8 +79,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// Whether a corner of a quadtree cell shows a given surface (`here`), a nearer one (`before`) or a
-    /// farther one (`behind`).
+    /// What the ray through a corner of a quadtree cell hits, compared with a given surface: this surface
+    /// itself (`here`), a nearer surface (`before`) or a farther one (`behind`).
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -95,9 +98,10 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// key_pieces_: number of pieces (parts of quadtree cells) of each surface; after sort_pieces, their end
-    /// in sorted_.
-    /// key_group_: first group of ray hits of each surface at the current cell.
+    /// key_pieces_: for each surface, its number of pieces (parts of quadtree cells). sort_pieces replaces
+    /// the number by the index in sorted_ that follows the surface's last piece.
+    /// key_group_: for each surface, the index in groups_ of its nearest ray hits at the current cell's
+    /// corners.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

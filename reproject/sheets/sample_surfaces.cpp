@@ -6,8 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Two ray hits belong to different surfaces if the slope between them, relative to the film, exceeds this
-/// tangent. A sphere of 1600 px radius exceeds it only within 0.5 px of its outline.
+/// Two neighbouring ray hits belong to different surfaces if the line between them is steeper than this. The
+/// value is the tangent of the angle to the film. A sphere of 1600 px radius is steeper only within 0.5 px of
+/// its outline.
 constexpr double steepest_slope = 40;
 
 /// Combines the hits of one eye ray and its reflections, in one layer (visible or hidden), into a surface
@@ -32,8 +33,9 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope of the surface is a depth difference divided by a width. Each of them is proportional to the
-    // depth, which cancels.
+    // `near` and `far` are inverse depths. The slope is the depth difference of two hits divided by their
+    // distance parallel to the film. For a perspective camera, this distance is `across` times the depth 1 /
+    // far, so `far` cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -129,8 +131,8 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the matrix W, which describes how the image of a surface point moves with the lens point. For a
-/// point seen directly, it is I / z'.
+/// Returns the 2x2 matrix W, in 1/m, which describes how the image of a surface point moves with the lens
+/// point. For a point seen directly, it is the unit matrix divided by the point's depth.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -141,9 +143,9 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and flags of each reflected or transmitted ray hit to the surfaces that show it, and
-/// updates their TreeSurface::strays. Hits brighter than `bright_above` are drawn separately, so they set
-/// `strays` to infinity.
+/// Adds the radiance and flags of each reflected or transmitted ray hit to the mirrors and glass that show
+/// it. Also updates their TreeSurface::strays, the largest motion of this light relative to them. Hits
+/// brighter than `bright_above` set it to infinity, so that they are drawn as separate surfaces.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

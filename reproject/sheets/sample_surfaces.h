@@ -30,14 +30,15 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// For the reflected and the transmitted light: the flags (RecordMark) of all surfaces that contribute to
-    /// it.
+    /// Union of the flags (RecordMark) of all surfaces that are seen in this one: [0] by reflection, [1] by
+    /// transmission.
     std::array<std::uint8_t, 2> marks_below{};
-    /// Reflected and transmitted radiance, summed over all surfaces seen by further reflections and
-    /// refractions.
+    /// The radiance that is seen in this surface: [0] by reflection, [1] by transmission. It includes light
+    /// that arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// For the reflected and the transmitted surfaces: largest difference (spectral norm, in 1/m) between
-    /// their matrices W and this surface's W. Infinite if they are so bright that they are drawn separately.
+    /// How differently this surface and the surfaces seen in it ([0] by reflection, [1] by transmission) move
+    /// in the image with the lens point. It is the largest spectral norm of the difference between their
+    /// matrices W, in 1/m. Infinite if one of them is so bright that it is drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -49,12 +50,12 @@ struct TreeSurface {
 /// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
 /// camera, it is in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel in the unit of is_one_surface's `across`: divided by the film distance for a
-/// perspective camera, in m for an orthographic one.
+/// Returns the width of a pixel, to compute the argument `across` of is_one_surface. For a perspective
+/// camera, the width on the film is divided by the film distance. For an orthographic camera, it is in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
-/// The directly seen surfaces of eye rays, visible and hidden. Ray i has the elements [offsets[i], offsets[i
-/// + 1]), from near to far.
+/// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
+/// hidden behind it. Ray i has the elements [offsets[i], offsets[i + 1]), from near to far.
 struct SampleSurfaces {
     std::vector<LayerSurface> surfaces;
     std::vector<std::uint32_t> offsets;
@@ -77,9 +78,9 @@ struct SampleTrees {
 /// Surfaces seen directly go to `primary`, reflected and transmitted ones to `deeper`. `points` were read
 /// from `band`, from row y_begin on.
 ///
-/// A layer without a directly seen surface contains surfaces that are hidden within a reflection or
-/// refraction. They are used only if the mirror or glass is recorded. Surfaces brighter than `bright_above`
-/// in any channel are never drawn as part of their mirror or glass (TreeSurface::strays).
+/// Some surfaces are hidden behind others within a reflection or refraction. They are used only if the mirror
+/// or glass is recorded. Surfaces brighter than `bright_above` in any channel are always drawn separately,
+/// never as if painted on their mirror or glass (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

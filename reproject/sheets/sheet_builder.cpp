@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A quadtree cell is assumed to contain an edge if the colours at its corners have a higher contrast. Only
-/// for files that do not state the threshold of their trace.
+/// If the contrast between the colours at a quadtree cell's corners exceeds this value, an edge is assumed to
+/// cross the cell. Only for files that do not state the threshold with which they were traced.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -70,14 +70,14 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
     // A part of a pixel that shows one continuous surface, with its range of inverse depths in 1/m. A pixel
-    // with a large depth difference has several parts.
+    // has several parts if its depths differ too much for one surface.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // True if the quadtree cell `p` overlaps a cell of this part of the surface. One then lies behind the
-    // other, so they are different surfaces.
+    // Returns whether the cell `p` overlaps, in the image, a cell that already belongs to `part`. One of
+    // these cells must then lie behind the other, so `p` belongs to another surface.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -261,7 +261,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // Cells that certainly show the surface are preferred to those that may not show it.
+        // Takes the colour of the first of these cells that certainly shows the surface. If the surface may
+        // be absent from all of them, the quadtree node becomes `maybe`.
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }

@@ -30,8 +30,9 @@ class SheetBuilder {
     /// Returns the flags (RecordMark) that the records at all four corners of the quadtree cell have, such as
     /// "texture finer than the samples".
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// True if the corners of the quadtree cell do not determine the reflected or transmitted light inside
-    /// it, because of a high contrast or a flag at all corners.
+    /// Returns whether the reflected or transmitted light inside a quadtree cell is uncertain. This is so if
+    /// its contrast between the cell's corners is high. It is also so if all corners have the same RecordMark
+    /// flag, such as "texture finer than the samples".
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -41,8 +42,8 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from index `first_light` on to the quadtree cell that was added last. `area` is
-    /// the cell's area in px^2.
+    /// Call after adding a quadtree cell. Assigns to this cell the highlights (bright radiance) with index
+    /// `first_light` and above. `area` is the cell's area in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

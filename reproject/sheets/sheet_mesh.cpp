@@ -18,14 +18,14 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Sizes of the joined lists before the elements of one task are appended, i.e. the offsets of this task's
-/// indices.
+/// The lists of several parallel tasks are joined. For one task, these are the lengths of the joined lists
+/// before its elements are appended. These lengths are added to the task's indices.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Freed memory is returned to the system after joining a list of more than this many bytes. For smaller
-/// lists, this takes too long.
+/// The lists of several tasks are copied to one list. If this list has more than this many bytes, the freed
+/// memory of the other lists is returned to the system. For smaller lists, this takes too long.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the surfaces that several parallel tasks have built, and frees the tasks' lists. Indices are
@@ -86,8 +86,8 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// A row of raster squares (16 x 16 px), with the quadtrees of its pixels, the ray hits at the corners of
-/// their cells, and the surfaces of these hits.
+/// A row of raster squares (16 x 16 px): the quadtrees of its pixels, the rays through the corners of the
+/// quadtree cells, and the surfaces that these rays hit.
 struct Strip {
     int y = 0, y_end = 0;
     PixelLeaves leaves;
@@ -166,8 +166,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row only provides the lower corners of the pixels above it, and is read again next time.
-        // `also` therefore receives it only at the end of the file.
+        // The last row only provides the lower corners of the pixels above it. It is read again with the rows
+        // below, so the callback `also` receives it only then, or here at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -197,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `made` is copied because this thread may start another task while `choice.squares` runs. That
-            // task would overwrite it.
+            // `made` is a buffer of this thread. While `choice.squares` runs, the thread may start another
+            // task, which overwrites the buffer. So the buffer is copied first.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -1,5 +1,5 @@
-// Groups the records of one instant into sheets. A sheet is one surface within a raster square; each of its
-// pixels has a quadtree of colours and a plane of depths.
+// Groups the records of one instant into sheets. A sheet is the part of one surface within a square of 16 x
+// 16 px. In each of its pixels, a quadtree stores the colours, and a plane approximates the depths.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +39,9 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs three values into one word: the index of the surface's part (Sheet), bits that tell whether it
-    /// reflects and transmits, and the flags `unsure`.
+    /// Packs three values into one word. `sheet` is the index of the surface's part (Sheet). `children` are
+    /// bits that tell whether it reflects and transmits. `unsure` are the bits unsure_bit and
+    /// unsure_below_bit: the colour of the quadtree cell may be uncertain.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -52,16 +53,16 @@ struct Texel {
     /// True if an outline, a gap, or the edge of a shadow or texture may cross the quadtree cell. The corners
     /// of the cell then do not determine its colour.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// True if the light that the surface reflects or transmits may contain the edge of a shadow or texture
-    /// within the quadtree cell.
+    /// True if the reflected or transmitted light is uncertain, because it may contain an edge of a shadow or
+    /// texture inside the quadtree cell.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
 /// A node of the quadtree of colours in one pixel of a surface. It is one of:
-/// - `none`: empty;
-/// - `maybe`: a quarter of a leaf that the surface's edge crosses. Its corner shows a farther surface, but
-///   the rest may show this one;
+/// - `none`: the surface is absent;
+/// - `maybe`: the surface may be present in this node, which is a quarter of a cell that the surface's edge
+///   crosses. The ray through the cell's corner in this quarter hit a farther surface;
 /// - a leaf: the index of its colour (Texel) with the bit `leaf` set;
 /// - otherwise the index of its first child. Order: up-left, up-right, down-left, down-right.
 struct SheetNode {
@@ -80,8 +81,8 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Whether nearer surfaces hide a part of a surface within a quadtree cell, and whether this part is
-/// recorded.
+/// What nearer surfaces hide of a surface inside a quadtree cell: nothing, a part that is recorded, or a part
+/// that may not be recorded.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
@@ -121,18 +122,19 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// Root of the colour quadtree of each pixel of each surface. `coarse` is for blurred surfaces: a pixel
-    /// that the surface covers completely is a single leaf.
+    /// For each pixel of each surface: index of the root of its colour quadtree. `coarse` is used where
+    /// surfaces are blurred: there, a pixel that the surface covers completely has only one colour.
     std::vector<std::uint32_t> fine, coarse;
-    /// Linear functions of the position in a pixel, relative to its centre, in 1/m: inverse depth and, for
-    /// reflected and transmitted surfaces, the four entries of W.
+    /// For each pixel of each surface: inverse depth in 1/m, as a linear function of the position relative to
+    /// the pixel's centre. For reflected and transmitted surfaces, four more functions follow, for the
+    /// entries of W (motion of images with the lens point).
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each quadtree cell, the radiance that its surface reflects and transmits. Empty if no surface
-    /// does.
+    /// For each element of `texels`: the radiance that its surface reflects ([0]) and transmits ([1]). Empty
+    /// if no surface reflects or transmits light.
     std::vector<std::array<std::array<float, 3>, 2>> below;
     /// Highlights: the radiance above HighlightRule::above. `bright_texels` lists the quadtree cells with
     /// radiance above this limit.
@@ -143,8 +145,8 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// The sheets (surfaces within squares of the raster) of one recorded instant: `primary` are seen directly,
-/// and `deeper` by reflection or transmission.
+/// All surfaces recorded at one instant, divided into parts (sheets) within squares of 16 x 16 px. `primary`
+/// are seen directly, `deeper` by reflection or transmission.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< its planes include W; empty if there are no such surfaces
@@ -164,8 +166,8 @@ struct HighlightRule {
     /// empty function means that nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// For each sheet (surface within a square of the raster), returns the area that is brighter than the limit
-/// for highlights, and whether nearer surfaces hide parts of it.
+/// Returns for each sheet (surface within a square of the raster): the area, in px^2, whose radiance exceeds
+/// HighlightRule::above, and whether nearer surfaces hide parts there.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets (surfaces within squares of the raster) are built, because an image may need only
@@ -174,24 +176,27 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes unneeded surfaces from `some`, the part with index `part`, from the left, of the row of
-    /// squares that begins at raster row y. Called by several threads. An empty function keeps all surfaces.
+    /// Removes surfaces that are not needed from `some`. The row of squares that begins at raster row y is
+    /// built in several parts; `some` is the one with number `part`, counted from the left. Called by several
+    /// threads. If this function is empty, all surfaces are kept.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read. Appends the surfaces of this row, known from an
-    /// earlier reading, to `parts`, from left to right.
+    /// Called for each row of squares that the function `rows` excludes from reading. Appends the surfaces of
+    /// this row, which are known from an earlier reading, to `parts`, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets (surfaces within squares of the raster) of one instant from a file, and passes the
-/// records to `also`. Throws Error(out_of_memory), and exceptions of the reader and of `also`.
+/// Reads the surfaces of one instant from a file, divided into sheets (parts within squares of the raster).
+/// All records that are read are also passed to the callbacks of `also`, so that the file is read only once.
+/// Throws Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects the highlights again, by a new rule with the same limit `above`. The result is bit-identical to
-/// sheets that `tree_sheets` builds with the new rule.
+/// Selects the highlights of existing sheets again, by a new rule. `rule.above` must be the same as before,
+/// because only the radiance above this limit is stored separately. The result is bit-identical to the sheets
+/// that `tree_sheets` returns with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens
