@@ -12,8 +12,9 @@
 namespace postlens {
 namespace {
 
-/// Tests whether reprojection to the rim of the lens puts a surface sample more than most_bend_px from its
-/// true position. Reprojection is linear, but images in mirrors and glass move nonlinearly.
+/// Tests whether linear reprojection to the rim of the lens misplaces a surface sample by more than
+/// most_bend_px. This may happen in curved mirrors and in glass, where images do not move linearly with the
+/// lens point.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)

@@ -1,5 +1,5 @@
-// Warns about objects in mirrors and glass that are drawn at wrong positions. Their images move nonlinearly
-// when the lens point moves, but reprojection is linear.
+// Warns about surfaces, seen in mirrors or through glass, that reprojection draws at wrong positions.
+// Reprojection assumes that their images move linearly with the lens point, but they may move nonlinearly.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,17 @@
 
 namespace postlens {
 
-/// Returns a warning of code "nonlinear", with the share of pixels that show an object at a wrong position.
-/// There, reprojection to some lens point is wrong by more than half a pixel.
+/// Returns the warning "nonlinear" with the share of affected pixels. In an affected pixel, the object is
+/// misplaced by more than half a pixel when it is reprojected to some point of the lens.
 ///
-/// Returns nothing if no pixel is affected, or if the file has no error of reprojection (w_bend). With a
-/// `crop`, only pixels within it count.
+/// Returns nothing if no pixel is affected, or if the file does not store reprojection errors (w_bend). If
+/// `crop` is set, only pixels within it are counted.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that reprojection to some lens point puts more than half a pixel from its true
-/// position. Each surface sample is spread over a square as wide as its blur.
+/// Computes an image of the light that reprojection misplaces. The light of a surface sample counts if its
+/// position is wrong by more than half a pixel for some lens point. It is spread over a square as wide as the
+/// sample's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);

@@ -19,8 +19,7 @@ class BorderDepths {
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the samples of the pixel rows [y_begin, y_end), which `band` must contain.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel corner at the image border, the largest distance over which the lens spreads
-    /// its light, in px.
+    /// Returns, for each pixel corner along the border, the largest blur radius of the surfaces there, in px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

@@ -163,8 +163,9 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // Memory estimate: one blur kernel per surface sample on average, because most samples within a pixel
-        // are merged. Sorting and compositing need the remaining 5/6 of the memory.
+        // Memory estimate: on average one LayerSplat per surface sample of the file, because most samples of
+        // a pixel are merged. LayerSplats may use 1/6 of the memory limit. Sorting and compositing need the
+        // rest.
         double sums = 0;  // of all strips so far
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
@@ -177,8 +178,9 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        }
                    });
     } else {
-        // Memory estimate: up to four blur kernels per surface sample, one for each rounded subpixel
-        // position. Computing kernels and colours needs the remaining 2/3 of the memory.
+        // Memory estimate: up to four Splats per surface sample of the file, because its light may be divided
+        // among four rounded subpixel positions. Splats may use 1/3 of the memory limit. Blur kernels and
+        // colours need the rest.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
@@ -268,8 +270,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // The crop is in pixels of the magnified image. So if there is a magnification, the whole traced image is
-    // computed first.
+    // The crop is in pixels of the final image. If the final image is a magnified copy of the blurred one
+    // (zoom != 1), the whole image is blurred first.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

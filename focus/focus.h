@@ -22,8 +22,8 @@ namespace postlens {
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
-    /// An infinite f-number means a pinhole. If `impulse` is a real lens, its focal length is used instead of
-    /// `lens.focal_length_mm`.
+    /// An infinite f-number means a pinhole. If `impulse` selects a real lens (ImpulseKind::lens), the focal
+    /// length of that lens replaces `lens.focal_length_mm`.
     ThinLens lens;
     double focus_distance_m = 1;
     Framing framing = Framing::keep;
@@ -31,9 +31,11 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of depths that have their own blur kernel, from 2 to DepthLevels::most_depths. By default,
-    /// enough that rounding changes CoC diameters by less than half a pixel (more with linear `spacing`, or
-    /// above 2048 px).
+    /// Number of depths for which blur kernels are computed, from 2 to DepthLevels::most_depths. Every sample
+    /// uses the kernel of the nearest of these depths.
+    ///
+    /// By default, the depths are so dense that this changes CoC diameters by less than half a pixel. The
+    /// change may be larger with linear `spacing`, or for diameters above 2048 px.
     std::optional<int> depths;
     /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;
@@ -43,8 +45,9 @@ struct FocusSettings {
     /// Memory limit, in bytes, for the blurred samples of the methods `scatter` and `layers`. Larger images
     /// are computed in groups of rows, with bit-identical results.
     std::size_t splat_bytes = std::size_t{672} << 20;
-    /// Upper limit of the cost of the method `layers`, as computed by layer_sums. Above it, the result has no
-    /// image.
+    /// Upper limit of the effort of the method `layers`, as measured by layer_sums(): the number of pixels
+    /// that blurred surfaces reach. If the effort is larger, no image is computed, and FocusResult::image is
+    /// empty.
     double most_layer_sums = std::numeric_limits<double>::infinity();
 };
 
@@ -60,8 +63,8 @@ struct FocusWarning {
 struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
-    /// Number of depths with their own blur kernel. By default, it is the number of different CoC radii in
-    /// use. It is 0 for a pinhole.
+    /// Number of depths for which blur kernels were computed. If FocusSettings::depths is not set, it is the
+    /// number of different CoC radii in use. It is 0 for a pinhole.
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image

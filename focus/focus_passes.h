@@ -23,8 +23,8 @@ struct FocusPasses {
 /// Adds the channels that `passes` selects to a blurred image. `effect` is the strength of the blur in each
 /// pixel, from 0 to 1. If it is empty, the strength is 1.
 ///
-/// Returns the fraction of pixels that show more objects than the Cryptomatte stores per pixel. The objects
-/// with the smallest coverages are left out there.
+/// Returns the fraction of pixels that show more objects than the Cryptomatte channels can store per pixel.
+/// In these pixels, the objects with the smallest coverages are left out.
 ///
 /// Throws Error(wrong_arguments) if a channel is not available. Throws Error(out_of_memory).
 double add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings,

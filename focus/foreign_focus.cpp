@@ -62,8 +62,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the range of the corners of all pixels whose content is known. Pixels of the display window that
-/// the file does not store are known to be empty space.
+/// Returns the range of pixel corners that surrounds all pixels with known content. Pixels of the display
+/// window that the file does not store are included: they are known to be empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -109,8 +109,9 @@ Guessed guessed(std::span<const Behind> behind) {
     return out;
 }
 
-/// Returns whether blur may reveal empty space behind a stored pixel. `behind` is the estimated surface
-/// behind the pixel, `open` the fraction of light that its samples transmit.
+/// Returns whether blur may reveal empty space behind a pixel whose samples transmit the fraction `open` of
+/// light. It may not if a surface was found behind them (`known`), or if they are treated as opaque
+/// (`fills`).
 bool ends_in_nothing(const Behind& behind, double open) {
     return !behind.known && !behind.fills && open > opaque_transmittance;
 }
@@ -194,7 +195,8 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Beyond the border of the image, the surfaces estimated behind its nearest row are used.
+                // Rows above or below the image use the hidden surfaces that were estimated for its first or
+                // last row.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -239,8 +241,8 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // The method `scatter` divides each pixel by its sum of weights. Empty space therefore needs a
-            // weight, or blur would make the edges of objects opaque.
+            // The method `scatter` divides the colour of each pixel by the sum of the weights of its samples.
+            // If empty space had no weight, the blurred edges of objects would therefore be opaque.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -259,8 +261,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Any depth model gives the same result, because models differ only for reflections and refractions,
-        // which these images do not contain.
+        // The choice of the depth model does not matter, because models differ only in the depths of
+        // reflections and refractions. Images of other programs have no separate samples for these.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -306,8 +308,9 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no lens point sees, from the pixels around them. Warns if these parts are
-/// noticeable. Removes the alpha of an opaque image.
+/// Fills gaps of the image from the pixels around them. Gaps are pixels in which no lens point sees a
+/// surface. Warns if a noticeable part of the light is missing. Removes the alpha channel if the source image
+/// is opaque, because the filled image is then opaque, too.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
     divide_by_covered(field);
@@ -421,7 +424,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // Circles of confusion are in px of the image before it is magnified by `zoom`.
+    // Images are blurred before they are magnified by `zoom`. So circles of confusion are computed in px of
+    // the image before magnification.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// The file is read in groups of rows_per_band rows. A group with at least enough_records surface samples
-/// ends earlier, but not before fewest_rows rows.
+/// The file is read in groups of fewest_rows to rows_per_band rows. A group ends early once it has
+/// enough_records surface samples.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
 /// Number of rows that are read together and kept in memory. All threads wait for each other after each group

@@ -23,10 +23,11 @@ struct TreeSheets;
 /// Rows [y_begin, y_end) of a frame at its first recorded instant. `band` contains the surface samples
 /// (records) of these rows and, if the file has them, of the row above and the row below.
 ///
-/// If the frame keeps its samples in memory, the lists have one element per `rows_per_task` rows. Otherwise
-/// they are empty.
+/// If the frame keeps its samples in memory, the following lists have one element per `rows_per_task` rows.
+/// Otherwise they are empty.
 /// - `samples`: the eye rays, with the surfaces that they hit
-/// - `plain`: compact copies of those between undivided pixels without reflections
+/// - `plain`: compact copies of simple eye rays, which hit no mirror or glass and lie at corners of pixels
+///   without smaller quadtree cells
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -57,15 +58,16 @@ class FocusFrame {
     /// possibly more. Throws errors of the file reader, and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns the surfaces at a recorded instant, divided into squares of 16 x 16 px. The result is valid
-    /// until the next call for this instant.
-    /// - `rule` selects highlights; rule.above must be the same in all calls
-    /// - `also` receives the samples of each row once; only for instant 0
+    /// Returns the surfaces that the samples of a recorded instant form, cut along a grid of 16 x 16 px
+    /// squares in the image. The result is valid until the next call for this instant.
+    /// - `rule`: selects highlights, whose light above the radiance rule.above is stored separately; this
+    ///   limit must be the same in all calls
+    /// - `also`: receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest w_bend of each pixel, at least in the rows [y_begin, y_end). w_bend is how
-    /// nonlinearly a surface's image moves over the lens.
+    /// Returns, for each pixel, how wrong linear reprojection of its surfaces may be: the largest w_bend, in
+    /// 1/m^2. The result contains at least the rows [y_begin, y_end).
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

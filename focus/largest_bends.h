@@ -1,5 +1,6 @@
-// Finds the largest w_bend of the surfaces that the pinhole sees in each pixel. w_bend states how wrong
-// linear reprojection of a surface to other lens points is.
+// Finds, for each pixel, the largest w_bend of the surfaces that the pinhole sees. w_bend, in 1/m^2, is
+// stored with each surface sample. It measures the error of linear reprojection of the sample to other lens
+// points.
 #pragma once
 
 #include <vector>
@@ -11,8 +12,9 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend, in 1/m^2, of the surfaces that the pinhole sees in each pixel. It limits the error of
-/// reprojecting them to other lens points. For an aperture of diameter D, the error in px is at most:
+/// For each pixel, the largest w_bend of the surfaces that the pinhole sees. w_bend, in 1/m^2, measures how
+/// wrong the position of a surface sample is after linear reprojection to another lens point. For an aperture
+/// of diameter D, the error in px is at most:
 ///
 ///     (film distance / pixel pitch) w_bend (D / 2)^2
 class LargestBends {
@@ -24,7 +26,7 @@ class LargestBends {
     /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
-    /// Returns the largest w_bend of each pixel in row y of the image.
+    /// Returns the largest reprojection error (w_bend, in 1/m^2) of each pixel in row y of the image.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);
     }

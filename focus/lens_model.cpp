@@ -23,13 +23,13 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // Blur radius, in px, from which kernels are computed for fewer subpixel positions, because the
+    // If the blur radius is at least this, in px, kernels are computed for fewer subpixel positions. The
     // difference is invisible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         // All samples in a square of the image share one blur kernel. The square is so small that the kernel
-        // changes by at most half a pixel or 2 % of its radius.
+        // changes within it by at most half a pixel or 2 % of its radius, whichever is larger.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -55,15 +55,16 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // A disc replaces blur smaller than a pixel, whose shape is invisible. At a pixel corner, it divides
-        // the light equally between four pixels.
+        // Blur smaller than a pixel has no visible shape, so a disc replaces it. If the centre of the disc is
+        // a pixel corner, its light is divided equally among the four pixels around the corner.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An ellipse replaces large blur with astigmatism, as in mirrors and glass. Its light is so faint
-        // that the aberrations of the lens are invisible.
+        // Curved mirrors and glass add astigmatism to the blur (image.further_px_m). If such a blur is large,
+        // an ellipse replaces it. Its light is spread so thinly that the aberrations of the lens are
+        // invisible.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,8 +74,13 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Inverse depth of a sample in 1/m: the mean of the diagonal of its matrix W. `map_px` is gain R (I/s -
-    // W), with film distance gain in px, aperture radius R and focus distance s.
+    // Returns the inverse depth of a sample, in 1/m. It is computed from the matrix `map_px`, which maps
+    // points of the unit disc (the lens) to positions on the image, in px:
+    //
+    //     map_px = gain R (I / s - W)
+    //
+    // Here, gain is the film distance in px, R the aperture radius, s the focus distance, and W the sample's
+    // 2x2 matrix of inverse depth. The result is the mean of the diagonal of W.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

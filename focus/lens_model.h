@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Reads and focuses the real lens that `settings.impulse` names, or returns nothing if it names none.
-/// `recorded` is the range of the recorded pixel corners. Throws if the lens cannot be read or focused.
+/// Reads the file of the real lens that `settings.impulse` selects, and focuses the lens. Returns nothing if
+/// another kind of impulse response is selected. `recorded` is the range of pixel corners of the recorded
+/// area, with overscan. Throws if the lens cannot be read or focused.
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 

@@ -18,8 +18,8 @@ namespace {
 /// Samples of neighbouring pixels belong to different surfaces if their signed CoC radii (negative in front
 /// of the focus) differ by at least this, in px.
 constexpr float least_step_px = 1;
-/// Largest distance, in px, over which the search looks for a farther surface that may continue behind a
-/// pixel.
+/// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
+/// the largest distance of the search for them, in px.
 constexpr float farthest_px = 512;
 
 /// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.
@@ -31,8 +31,9 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether a sample with the CoC radii `other` lies behind a sample with the radii `own`, on another
-/// surface. Their true radii or their blur radii must differ by at least least_step_px.
+/// Returns whether the sample `other` lies behind the sample `own`, on another surface. Their CoC radii must
+/// differ by at least least_step_px: those of their depths (Radii::own), or those that an effect has changed
+/// (Radii::blur).
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -106,8 +107,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds translucent pixels behind which blur reveals only empty space, and marks them in `fills_`. They
-    /// are treated as opaque.
+    /// Finds translucent pixels that have no farther surface within reach of their blur, only empty space.
+    /// Marks them in `fills_`, and treats them as opaque.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -250,8 +251,8 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Sets `steps` to the distance, in px, from each pixel to the next edge beyond which the surface is
-    /// farther away, or to 0 if there is none.
+    /// For each pixel, counts the steps along the direction `d` to the next edge, i.e. where the surface
+    /// becomes farther away. Sets `steps` to 0 if there is no such edge.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
@@ -303,8 +304,9 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that is farther than the pixel (x, y) and that blur may
-    /// reveal. If there is none, the result has the distance 0.
+    /// Steps from the pixel (x, y) in a direction, and returns the first surface that is farther than the
+    /// pixel's surface and that blur may reveal. If there is none, the distance in the result is 0. `own` are
+    /// the CoC radii of the pixel's surface.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -332,8 +334,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces of the object with the largest weight, and returns their number. Otherwise, a
-    /// small light source beside an edge would colour everything behind the edge.
+    /// Keeps only the surfaces that belong to one object, the one with the largest sum of weights. Returns
+    /// their number. Otherwise, a small light source beside an edge would brighten the estimated colour of
+    /// everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -441,7 +444,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Only known pixels can count as empty, because the content of all others is unknown.
+    // Only pixels inside the image can count as empty space, because what lies beyond its border is unknown.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());

@@ -21,9 +21,9 @@ namespace postlens {
             std::max(p.height, p.y_end)};
 }
 
-/// Returns `geometry` with the radius of the smallest circle that contains an aperture of any shape. The
-/// light of a stretched aperture spreads farther than a CoC radius, and so may reveal more of the surfaces
-/// behind.
+/// Returns `geometry` with a larger aperture radius: that of the smallest circle, centred on the lens, around
+/// the given aperture. A stretched aperture spreads light farther than the CoC radius, and so may reveal more
+/// hidden surfaces.
 [[nodiscard]] FocusGeometry around_aperture(const FocusGeometry& geometry, const Aperture& aperture);
 
 /// Estimate of the surface behind an opaque pixel.
@@ -46,8 +46,8 @@ struct Behind {
 /// the object with the largest sum of weights counts.
 class BehindSearch {
   public:
-    /// Keeps references to `picture` and `geometry`. `aberration_px` is how far spherical aberration spreads
-    /// light beyond the CoC radius.
+    /// `picture` and `geometry` must outlive this object. `aberration_px` is the distance, in px, by which
+    /// spherical aberration spreads light beyond the circle of confusion.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
     /// Sets `out` to the estimated surface behind each pixel of row `y`. Several threads may call this
     /// function at the same time.

@@ -34,8 +34,10 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns, for each pixel along one side of the image, its samples and how far they are repeated beyond the
-/// border. The side begins at the pixel (x, y) and runs right (along_x = 1) or down (along_y = 1).
+/// Returns the samples of each pixel along one side of the image, and how many pixels far each is repeated
+/// beyond the image border. The repeated samples stand for the surfaces that continue there.
+///
+/// The side begins at the pixel (x, y) and runs right (along_x = 1) or down (along_y = 1).
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
     // Direction from this side of the image to its interior.
     const int dx = along_x != 0      ? 0
@@ -94,8 +96,8 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner of the image, a sample is used only if it extends far enough both horizontally and
-    // vertically.
+    // A pixel (x, y) beyond a corner of the image uses the samples of the corner pixel. Each of them must be
+    // repeated far enough, both horizontally and vertically, to reach (x, y).
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

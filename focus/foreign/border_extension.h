@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// Continues the surfaces at an image's border beyond it, as far as they extend inside, but not farther than
-/// their blur. Colour and alpha are means over this distance inside the image.
+/// Extends surfaces beyond the image border, because their blur may reach into the image. A surface extends
+/// as far outside the image as it does inside, but not farther than its blur radius. Its colour and alpha
+/// outside are means over the same distance inside.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
@@ -27,14 +28,15 @@ class BorderExtension {
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the image border, and how far beyond the border it is repeated. Its colour and alpha are
-    /// means over its surface.
+    /// A sample at the image border that is repeated beyond it, over `length_px` pixels, to estimate the
+    /// surface there. Its colour and alpha are means over the same distance inside the image.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// For each pixel along one side of the image, its samples, nearest first. Empty if the raster extends
-    /// beyond the stored pixels there, because then empty space follows.
+    /// For each pixel along one side of the image, its samples, nearest first. The list is empty if the
+    /// display window is larger than the stored pixels on this side. Empty space then follows, so no surface
+    /// continues beyond the border.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

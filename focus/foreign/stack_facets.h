@@ -32,12 +32,13 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// All samples of an image as quadrilaterals, sorted by pixel, with estimated surfaces behind edges and
-/// beyond the border. Neighbouring quadrilaterals of one surface have the same depth at common corners.
+/// All samples of an image as quadrilaterals, sorted by pixel. They include estimated surfaces behind edges
+/// and beyond the image border. If neighbouring pixels show one surface, their quadrilaterals have the same
+/// depth at the corners that they share.
 class Facets {
   public:
-    /// `behind` is the estimated surface behind each pixel of the image `p`, or is empty. `border` must have
-    /// been computed from `p`.
+    /// `behind` has the estimated hidden surface behind each pixel of the image `p`, or is empty. `border`
+    /// must be the extension of the same image beyond its border.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 

@@ -20,9 +20,10 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// A lens point from which the image is drawn. The image is sampled at the same position in every pixel.
+/// A lens point from which an image is drawn, with one sample per pixel. The sample has the same position
+/// within every pixel.
 struct View {
-    float lens_x, lens_y;  ///< px m
+    float lens_x, lens_y;  ///< lens position in m, times the film distance in px
     float inverse_focus_per_m;
     float x, y;  ///< shift of every position, px: shift by the lens minus sample position in the pixel
     std::uint32_t number;
@@ -41,8 +42,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel, what a lens point sees that looks past all samples of the pixel: 1 for empty
-/// space, 0 for something that the file does not show.
+/// Returns, for each pixel, whether empty space lies behind all its samples: 1 for empty space, 0 if the file
+/// does not show what lies there.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -196,8 +197,9 @@ class Band {
         }
     }
 
-    /// Returns whether a point lies in one of the two triangles of a quadrilateral with either orientation.
-    /// Points on the sides count as inside, to avoid cracks.
+    /// Returns whether a point lies in one of the two triangles into which a diagonal divides a
+    /// quadrilateral. Their corners may be in clockwise or anticlockwise order. Points on a side count as
+    /// inside, to avoid gaps between neighbours.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
@@ -219,8 +221,9 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds, for each pixel, the premultiplied colours of the nearest opaque quadrilateral and of those in
-    /// front of it. The mean over all lens points equals compositing with "over".
+    /// Adds the premultiplied colours that the lens point `v` sees in each pixel: those of the nearest opaque
+    /// sample and of all samples in front of it. A translucent sample is opaque for a random share of the
+    /// lens points, so the mean over all lens points equals compositing with "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -238,8 +241,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see no opaque sample of the picture: nothing at all,
-        // or only samples continued beyond the image border.
+        // Counts, for each pixel, the lens points from which no opaque sample of the image is visible. They
+        // see nothing, or only surfaces that were extended beyond the image border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

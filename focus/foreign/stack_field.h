@@ -40,28 +40,31 @@ struct StackField {
     /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a random estimate, so it
     /// may exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that see past the image border or past all samples. Lens
-    /// points that see empty space do not count.
+    /// For each pixel, the fraction of lens points that see something that the image does not show, beyond
+    /// its border or behind its samples. Lens points that see empty space do not count.
     std::vector<float> unseen;
-    /// Mean alpha of each pixel over the unblocked lens points, including holdout objects. It is at least 1
-    /// where empty space lies behind the samples.
+    /// Mean alpha of each pixel over the lens points that vignetting does not block. The alpha of holdout
+    /// objects is included. If empty space lies behind the pixel, the value is at least 1, so that
+    /// divide_by_covered does not make the pixel opaque.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
-/// Draws an image as seen from many lens points, and returns the mean. `behind` is the estimated surface
-/// behind each pixel, or empty.
+/// Draws an image as seen from many lens points, and returns the mean. `behind` has the estimated hidden
+/// surface behind each pixel, or is empty.
 ///
 /// Each sample is drawn as a quadrilateral, the square of its pixel. It is opaque from a random fraction of
 /// the lens points that equals its alpha (stochastic transparency [enderton2010]).
 ///
-/// The result is bit-identical for any number of threads and any `drawn`. Throws Error(wrong_arguments) if
-/// the number of lens points (`views`) is out of range. Throws Error(out_of_memory).
+/// The result is bit-identical for any number of threads, and does not depend on which other pixels are drawn
+/// (`settings.drawn`). Throws Error(wrong_arguments) if the number of lens points (`settings.views`) is out
+/// of range. Throws Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by its mean alpha StackField::covered, so that lens points
-/// that see past the image do not darken it. Pixels with `covered` = 0 do not change.
+/// Divides the colours and alpha of each pixel by its mean alpha over the lens points (StackField::covered).
+/// Otherwise, lens points that see past the image border would darken the pixel. Pixels with `covered` = 0 do
+/// not change.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

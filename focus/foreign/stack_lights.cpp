@@ -8,8 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha with which samples are composited. Samples that emit light but hide nothing have the alpha
-/// 0, but need a positive weight. Even many samples of this weight hide almost nothing.
+/// Samples are composited with at least this alpha. Samples that emit light but hide nothing, such as flames,
+/// have an alpha of 0, and would otherwise get no weight. Even many samples of this alpha hide almost
+/// nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;
@@ -34,17 +35,17 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // `seen` is the fraction of the sample's light that the pinhole sees. `hidden` is the fraction that other
-    // surfaces hide.
+    // Of the sample's light, the fraction `seen` reaches the pinhole. The fraction `hidden` is blocked by
+    // other surfaces in front.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // Computes the part of `hidden` that stays hidden from every lens point, because the surface in front
-    // moves together with the sample when the lens point moves.
+    // Computes `covered`, the part of the sample's hidden light that no lens point sees. The surfaces that
+    // hide it lie at a similar depth, so they shift together with the sample when the lens point moves.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space never moves together with a surface in front, because it looks the same from every lens
-        // point.
+        // A surface in front never shifts together with empty space, because empty space looks the same from
+        // every lens point. So `apart`, from 0 (together) to 1, is 1 for empty space.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

@@ -15,21 +15,24 @@ namespace postlens {
 /// The value of a sample that is blurred: its colour, or its alpha in all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts the samples of pixels to light that can be blurred, one pixel at a time. If nearer samples
-/// transmit the fraction T of a sample's light, the pinhole sees T, and 1 - T is hidden.
+/// Converts the samples of pixels to light that can be blurred, one pixel at a time. If nearer samples have
+/// the transmittance T, the fraction T of a sample's light reaches the pinhole. The fraction 1 - T is hidden
+/// from it.
 ///
-/// Samples form one surface if their signed CoC radii differ by less than a pixel (above 16 px, by less than
-/// a 16th of the radius).
+/// Samples with similar signed CoC radii form one surface. For this, radii are rounded to whole pixels or,
+/// above 16 px, to steps of 1/16 of the radius.
 class StackLights {
   public:
-    /// If `with_nothing` is set, empty space is also converted to light, which is black and not blurred.
+    /// If `with_nothing` is set, empty space is converted like a black surface that is in focus, and thus not
+    /// blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts the samples of a pixel in column `x` to light and appends it to `out`.
-    /// - `fills`: whether the last sample counts as opaque
+    /// Converts the samples of a pixel in column `x` to light, and appends the light to `out`.
+    /// - `fills`: whether to treat the last sample as opaque
     /// - `open`: transmittance of all samples together
-    /// - `behind`: the estimated surface behind the samples, or null
+    /// - `behind`: the estimated hidden surface behind the samples, or null
+    /// - `value`: whether to convert the colours or the alphas of the samples
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 
@@ -43,7 +46,8 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths of a sample, in 1/m. They differ if an effect changes an object's blur.
+    /// Two inverse depths of a sample, in 1/m. They differ only if an effect, such as "keep this object
+    /// sharp", changes the blur of the sample's object.
     /// - `order`: depth for compositing
     /// - `spread`: depth for the circle of confusion
     struct Depths {

@@ -8,12 +8,12 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Below this weight at a pixel (1 fills the pixel), a mirror image has too few samples. A version of it that
-/// is blurred like the mirror is then blended in.
+/// If a mirror image has less weight than this at a pixel, it has too few samples there (weight 1 fills the
+/// pixel). It is then mixed with a substitute: the same light, but blurred with the kernels of the mirror.
 constexpr double enough_weight = 0.05;
 
-/// Light that arrives at one pixel after one sequence of reflections and transmissions, for example by a
-/// mirror.
+/// Light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
+/// single reflection.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -28,19 +28,21 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the light that a surface reflects or transmits to its own light at a pixel. `mask` is the blurred
-/// area in which the surface shows that light.
+/// Adds light that a mirror reflects or glass transmits (`rgb`) to the mirror's or glass's own light at a
+/// pixel. mask.alpha is the blurred fraction of the pixel in which this light is visible.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
-    // Assumption: the reflected or transmitted light passes through the same lens points as the surface's own
+    // Assumption: the reflected or transmitted light is distributed over the lens like the surface's own
     // light.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
-/// Adds a mirror image, or what is seen through glass (`chain`), to the surface that shows it (`shown`).
+/// Adds a mirror image, or what is seen through glass (`chain`), to the light of the mirror or glass at a
+/// pixel (`fragment`). The image is added only where masks allow it: the blurred areas of the mirror or glass
+/// `shown`.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -49,8 +51,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Combines the blurred samples of one surface at a pixel: those that the pinhole sees, and hidden ones.
-/// Either may be null. Returns nothing if there is no light.
+/// Combines the light of one surface at a pixel: its blurred samples that the pinhole sees (`seen`), and
+/// those that are hidden from the pinhole (`hidden`). Either pointer may be null. Returns nothing if there is
+/// no light.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -59,8 +62,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Collects the surfaces that one mirror or glass shows at a pixel, with their own reflections (`longer`).
-/// Returns the sum of their blur weights.
+/// Collects the surfaces that one mirror or glass shows at a pixel, and returns the sum of their blur
+/// weights. To each surface, it adds what the surface itself reflects or transmits (`longer`).
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -124,8 +127,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Starts with the longest sequences of reflections, because the radiance of a shorter one includes that
-    // of its continuations.
+    // Starts with the longest sequences of reflections, because their light is added to that of the shorter
+    // sequences that they continue.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

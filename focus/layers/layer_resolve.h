@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Blurred light of one surface, or of one mirror image on it, summed at one pixel.
+/// Blurred light at one pixel, summed over all samples of one surface, or of one mirror image that the
+/// surface shows.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};
@@ -27,8 +28,8 @@ inline constexpr double smallest_layer_weight = 1e-12;
 /// Computes a surface's light at a pixel, including mirror images and what is seen through it. Returns
 /// nothing if the blurred surface does not reach the pixel. `terms` must be sorted by LayerPart.
 ///
-/// A mirror image is limited to its mirror by a mask that is blurred like the mirror. Otherwise, the mirror's
-/// outline would be blurred like the image in it.
+/// A mirror image is visible only in a mask: the area of the mirror, with the blur of the mirror. Without the
+/// mask, the mirror's outline would have the blur of the image in it.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which blur discs are centred on multiples of a quarter pixel or a whole pixel, so
-/// that more samples share a kernel. The change is not visible.
+/// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
+/// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, that replace the true ones, so that NodeResponses::phases rounds positions to a quarter
-/// pixel or a whole pixel.
+/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel or a whole pixel.
+/// To get this rounding for smaller radii, these values are passed instead.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -53,8 +53,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform discs may be moved to coarse subpixel positions. Other impulse responses may have a bright
-    // core, whose displacement would be visible.
+    // Positions are rounded more coarsely only if the pixel has several samples (not alone_) and the blur is
+    // a uniform disc (is_even). Other blur kernels may have a bright core, whose displacement would be
+    // visible.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -79,13 +80,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample to the row. The hash comes from the shape of its blur kernel, because the kernel's number
-// depends on the timing of threads.
+// Adds a sample to the row. `hash` is computed from the shape of its blur kernel. The kernel's index cannot
+// be used, because threads create kernels in varying order.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Merges samples of a pixel that have the same surface and blur kernel, with a small hash table
-        // (Fibonacci hashing). If the table's slot is taken, they stay separate.
+        // Merges samples of a pixel that have the same surface and blur kernel (`key`), with a small hash
+        // table (Fibonacci hashing). If another key occupies the table's slot, the sample is not merged.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -136,8 +137,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// The far side of a glass object has no visible outline, and its own blur kernel could be far too large. So
-// the kernel of the near side is used.
+// Returns the near side of a glass object for its far side. The far side has no visible outline of its own.
+// Refraction may also make its blur kernel far too large, so the kernel of the near side is used.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -195,7 +196,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // Uses the nearest recorded surface before this one in the sequence of reflections.
+        // Finds `from`, the mirror or glass that shows this surface point: the nearest recorded surface
+        // before the point in its sequence of reflections.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -208,8 +210,10 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds what the pinhole does not see in a mirror or through glass, but other lens points do. `surface` is the
-// mirror or glass.
+// Adds surfaces in a mirror or behind glass that other lens points see, but the pinhole does not.
+// - `nodes`: samples of these surfaces
+// - `primary`: blur of the mirror or glass
+// - `surface`: key of the mirror or glass
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

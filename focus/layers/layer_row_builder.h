@@ -1,5 +1,5 @@
-// Converts one row of samples to splats, i.e. samples with the blur kernels with which they are added to the
-// image.
+// Converts the samples of one row to splats. A splat is a sample with the blur kernel that spreads its light
+// over the image.
 #pragma once
 
 #include <array>
@@ -32,8 +32,8 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The samples of one depth layer of the eye ray through (x, y). The pinhole sees layer 0; all other
-    /// layers are hidden.
+    /// Surface samples along the eye ray through (x, y), from one depth layer. Layer 0 has the surfaces that
+    /// the pinhole sees. All other layers have hidden surfaces.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
@@ -53,11 +53,11 @@ class LayerSplats::RowBuilder {
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the surface point whose blur kernel also blurs the outline of `from`: for the back of a glass
-    /// object, its front, otherwise `from` itself.
+    /// Returns the surface point whose blur kernel is used for the mask (visible area) of what is seen in or
+    /// through `from`. For the back of a glass object, this is its front, otherwise `from` itself.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the outline within which `from`, for example a mirror, shows the surface point `met`. It is
-    /// blurred like the mirror.
+    /// Adds a mask: the area of the mirror or glass `from` in which it shows the surface point `met`. The
+    /// mask is blurred with the kernel of the mirror or glass, so that its outline gets the right blur.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Width, in px, of the squares in which samples are grouped. A group whose blur does not reach a block of
-/// the image is skipped there.
+/// Width, in px, of the squares in which samples are grouped. When a block of the image is computed, groups
+/// whose blur does not reach the block are skipped.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -107,7 +107,8 @@ void LayerSplats::store(int y, UnsortedRow& made) {
         made.splats.resize(kept);
         made.part.resize(kept);
     }
-    rows_[index] = sorted(made);
+    // The row is copied, not moved, to save memory: the copy has no spare capacity.
+    rows_[index] = made;
 }
 
 // Sorts the samples of a row by surface, then by square of 64 x 64 px.
@@ -222,8 +223,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows that are not read again matter only through samples with a large blur, which were kept when the
-    // rows were first read.
+    // For this group of image rows, only some rows of the file are read again. Other rows of the file matter
+    // only if they have samples with a large blur, which were kept when the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         UnsortedRow row;
         std::map<LayerPart, std::uint32_t> number;

@@ -32,8 +32,8 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies samples that are blurred and summed together: those of one surface, or of one reflection or
-/// refraction in it. Sorted by surface, then by path.
+/// Identifies samples that are blurred and summed together. They belong to one surface, or to one reflection
+/// or refraction that the surface shows. Sorted by surface, then by path.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -44,8 +44,9 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that appears in the reflection or transmission. For a mask (outline within which a mirror
-    /// image is visible), the surface that shows it, or empty.
+    /// The surface that is seen by reflection or transmission. For a mask (area in which a mirror or glass
+    /// shows an image), it is the mirror or glass instead. It is empty if the mirror or glass is seen
+    /// directly.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -59,23 +60,23 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Light that arrives d px from the centre (x, y) of the blur kernel passed, on average, through the lens
-    /// point d * lens_per_px, in lens radii.
+    /// Factor that converts positions to lens points. Light at the vector d, in px, from the kernel's centre
+    /// (x, y) passed, on average, through the lens point d * lens_per_px, in lens radii.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees, because the surface in front moves together with this
-    /// sample when the lens point moves.
+    /// The part of `weight` that no lens point sees. It is hidden by a surface at almost the same depth,
+    /// which shifts together with the sample when the lens point moves.
     float covered = 0;
 };
 
-/// Samples of one surface in one row of a square of 64 x 64 px: the elements [begin, end) of the row's
-/// samples.
+/// Samples of one surface in one row of a square of 64 x 64 px. They are the elements [begin, end) of the
+/// list of samples in this row.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
 };
 
-/// All samples of one surface in one square of 64 x 64 px. They are skipped together where their blur does
-/// not reach.
+/// All samples of one surface in one square of 64 x 64 px. They form a group, which is skipped in blocks of
+/// the image that its blur does not reach.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -105,16 +106,17 @@ class LayerSplats {
     LayerSplats(LayerSplats&&) = delete;
     LayerSplats& operator=(LayerSplats&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their samples and those of the
-    /// rows directly above and below, if any. Throws Error(invalid_input) if a pixel's quadtree is damaged.
+    /// Adds the samples at the pixel corners of the rows [y_begin, y_end). `band` must contain these rows
+    /// and, if the file has them, the rows directly above and below. Throws Error(invalid_input) if a pixel's
+    /// quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. If `rows` already contains the point samples (eye rays), they are not
-    /// computed again.
+    /// Adds the samples at the pixel corners of several rows. If `rows` already contains their eye rays
+    /// (point samples), these are not computed again.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
-    /// add_pixels. `known` is the window of the image's pixel corners.
+    /// add_pixels. `known` is the range of pixel corners around all pixels with known content.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -125,8 +127,9 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Prepares for an image that is computed in groups of rows to save memory. Call it before the first row
-    /// is added; every group then adds its rows again.
+    /// Prepares for computing the image in strips (groups of rows), to save memory. Call it before adding all
+    /// rows for the first time, which finds the surfaces and blur kernels. For each strip, begin_strip then
+    /// returns the rows to add again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -151,8 +154,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns 0.5 if samples lie at pixel centres, as in images of other programs. Returns 0 if they lie at
-    /// integer raster positions.
+    /// Returns the position of samples relative to pixel corners, in px along x and y. It is 0.5 in images of
+    /// other programs, whose samples lie at pixel centres. It is 0 for sample files.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the colours in the file, to which the result is clamped.

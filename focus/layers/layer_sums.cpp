@@ -13,13 +13,14 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double EightDoubles __attribute__((vector_size(64)));
-/// Vector types for loads and stores at unaligned addresses. Variables have the types FourDoubles and
-/// EightDoubles, because the compiler keeps only these in registers.
+/// Types for loading and storing vectors at unaligned addresses. Variables have the aligned types FourDoubles
+/// and EightDoubles instead, because the compiler keeps only aligned types in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The eight values of a sample that are multiplied by its blur kernel and added to pixels.
+/// The eight values of a sample that are blurred: red, green, blue, weight, depth, weight that no lens point
+/// sees, and two more. These two are red + green + blue and the weight, times LayerSplat::lens_per_px.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -45,8 +46,8 @@ struct PlainValues {
     }
 };
 
-/// The values of a sample that are blurred, including those that show through which side of the lens its
-/// light passes.
+/// The values of a sample that are blurred: those of PlainValues, and four more. From these,
+/// LayerSums::lens_at computes which side of the lens sends more light.
 struct LensValues {
     static constexpr std::size_t count = LayerSums::lens_values;
     PlainValues plain;
@@ -85,8 +86,8 @@ constexpr std::size_t longest_run = 64;
 /// the row's ends.
 constexpr std::size_t padding = 8;
 
-/// Returns how many of the first samples can be blurred together: neighbours with the same kernel. Returns 0
-/// if the kernel does not reach the pixels `rows`.
+/// Returns how many samples, from the first one on, can be blurred together: adjacent samples with the same
+/// kernel. Returns 0 if the blur of the first sample does not reach the pixels `rows`.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const Reach& reach, const RasterWindow& rows) {
     const LayerSplat& s = splats[0];
@@ -100,8 +101,9 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Convolves a row of values with a short kernel row (`taps`), whose length is a template argument. A loop
-/// over the usual two to four taps would take longer than the sums.
+/// Convolves a row of values with a short kernel row (`taps`). Its length is a template argument, so that the
+/// compiler can unroll the loop. For the usual two to four taps, the loop itself would take longer than the
+/// sums.
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, int count,
                                                         double* pixels) {
@@ -115,8 +117,9 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
     }
 }
 
-/// Adds the convolution of `values` with the kernel row `taps` to the pixels [begin, end) of a row. values[0]
-/// belongs to the pixel `first`; `padding` zeros surround `values` in memory.
+/// Adds the convolution of a row of samples (`values`) with a kernel row (`taps`) to the pixels [begin, end).
+/// The product of values[0] and taps[0] belongs to the pixel `first`. `padding` zeros must surround `values`
+/// in memory.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, int begin,
@@ -141,8 +144,9 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes the differences between neighbouring values on one side of a kernel row's uniform interior:
-/// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1].
+/// Computes the differences between neighbouring values at the left or right edge of a kernel row. They are
+/// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1]. `before` and `after` are the constant
+/// values on both sides of the edge.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -156,8 +160,9 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 
 /// Blurs adjacent samples that share a kernel, and adds them to one row of pixels.
 /// - `x`, `y`: position of the first sample in the block of pixels
-/// - `sums`: values of the pixels
-/// - `changes`: differences to the pixel on the left, for the kernel's uniform interior
+/// - `sums`: the values of the pixels
+/// - `changes`: the same values as differences from the pixel on the left; used if the kernel row has a
+///   uniform interior
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, int width, double* sums,
@@ -260,8 +265,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds the running sums of `changes`, the differences between neighbouring pixels of a row, to `sums`. Each
-/// of the `width` pixels has `numbers` values.
+/// Adds the cumulative sums of `changes` to `sums`. `changes` has differences between neighbouring pixels of
+/// a row, so their cumulative sums are pixel values. Each of the `width` pixels has `numbers` values.
 template <std::size_t numbers>
 __attribute__((always_inline)) inline void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

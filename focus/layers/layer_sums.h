@@ -17,13 +17,15 @@ namespace postlens {
 /// is therefore proportional to the length of the kernel's outline.
 class LayerSums {
   public:
-    /// Number of values per pixel: 8, or 12 if it matters through which side of the lens light passes. Eight
-    /// values fill one AVX-512 register.
+    /// Number of values per pixel: 8, or 12 if the mean lens point through which light passes is also
+    /// recorded. The 12 values include its x and y for colour and for weight. Eight values fill one AVX-512
+    /// register.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Clears the sums of the pixels in `rows`.
-    /// - `with_lens`: whether to record through which side of the lens light passes
-    /// - `from_anchor_px`: 0.5 if samples lie at pixel centres, 0 if at integer raster positions
+    /// Sets the sums of the pixels in `rows` to 0.
+    /// - `with_lens`: whether to record through which side of the lens the light of each pixel passes
+    /// - `from_anchor_px`: position of samples relative to pixel corners, in px along x and y: 0.5 for pixel
+    ///   centres, 0 for corners
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
     /// Completes the sums. Call it after the last `add` and before reading the sums.
@@ -34,8 +36,9 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns the sums of `at`, multiplied by the lens point (in lens radii) through which the light passed.
-    /// They show which side of the lens sends more light.
+    /// Returns two sums over the light at a pixel: one for colour (red + green + blue), one for weight. Both
+    /// are multiplied by the lens point, in lens radii, through which the light passed. They show which side
+    /// of the lens sends more light.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:
@@ -49,10 +52,11 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;  ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = plain_values;
-    /// Values of each pixel: red, green, blue, weight, depth, covered weight, C', W'; if lens points matter,
-    /// also C' x, W' x, C' y, W' y.
-    /// C' and W' are red + green + blue and the weight, times LayerSplat::lens_per_px. (x, y) is the sample's
-    /// position.
+    /// The values of each pixel: red, green, blue, weight, depth, weight that no lens point sees, C' and W'.
+    /// C' is red + green + blue and W' is the weight, each times LayerSplat::lens_per_px.
+    ///
+    /// To record lens points, there are four more values: C' x, W' x, C' y and W' y, where (x, y) is the
+    /// position of the sample.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -17,8 +17,8 @@ namespace {
 /// fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments (one surface at one pixel) in memory at a time, at about 200 B each. Blocks
-/// with more fragments are computed in groups of rows.
+/// Largest number of fragments in memory at a time. A fragment is the blurred light of one surface at one
+/// pixel, and takes about 200 B. Blocks of the image with more fragments are computed in groups of rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 /// Composites the surfaces at the pixel (x, y) by depth and stores the colour in `out`. If each colour
@@ -27,8 +27,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // `open` is the fraction of the lens that sends light to this pixel (vignetting). A surface that fills
-    // the pixel has the weight `open`, which is scaled to 1.
+    // `open` is the fraction of the lens that sends light to this pixel. Vignetting blocks the rest, and so
+    // reduces the weight of a surface that fills the pixel to `open`. The division restores the weight 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -39,8 +39,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Clamps the colour to the range of the colours in the file, which rounding errors and the linear
-        // approximation of occlusion may exceed.
+        // Clamps each colour channel to the range of the input colours. Rounding errors and the simplified
+        // (linear) model of occlusion could otherwise cause values outside this range.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
@@ -83,8 +83,8 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// The samples of one surface, or of one mirror image, whose blur reaches a block of pixels. [begin, end) is
-/// a range of Block::cells.
+/// Groups of samples whose blur reaches a block of pixels: the range [begin, end) of Block::cells. They
+/// belong to one surface, or to one mirror image that the surface shows.
 struct PartCells {
     const LayerPart* part;
     std::size_t begin, end;
@@ -287,7 +287,7 @@ double layer_sums(const LayerSplats& splats) {
 
 namespace {
 
-/// Blurred light of one surface or mirror image, for every pixel. LayerTerm::part is not set.
+/// For each pixel, the blurred light of one surface or mirror image. The member LayerTerm::part is not used.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

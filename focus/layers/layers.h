@@ -10,12 +10,13 @@ namespace postlens {
 /// Height of the blocks in which images are computed, in px.
 inline constexpr int layers_block_px = 64;
 
-/// Computes the blurred image in the window splats.picture(), in parallel, and resizes `image` to this
-/// window. Blocks outside `wanted` are skipped. The result is bit-identical for any number of threads.
+/// Computes the blurred image in parallel. `image` gets the size of the window splats.picture(). If `wanted`
+/// is set, only blocks of pixels that overlap this rectangle are computed. The result is bit-identical for
+/// any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// Returns a measure for the time of layers(): the number of pixels that a blurred surface may reach, summed
-/// over all surfaces and mirror images.
+/// Estimates the computing time of layers(), without a unit. It is the number of pixels that the blur of a
+/// surface may reach, summed over all surfaces and mirror images.
 [[nodiscard]] double layer_sums(const LayerSplats& splats);
 
 /// Computes the same image as layers(), by evaluating every impulse response at every pixel. It is a slow

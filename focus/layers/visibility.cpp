@@ -13,8 +13,8 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage that varies linearly over the lens. At the lens point q, in lens radii, it is
-/// mean + 4 tilt . q, where `tilt` is the mean of its product with q.
+/// A transmittance or coverage that varies linearly over the lens. At the lens point q, in lens radii, its
+/// value is mean + 4 tilt . q. Here, `tilt` is the mean over the lens of the value times q.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -24,12 +24,14 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of a surface's light that passes the surfaces in front, from 0 to 1.
+    /// Returns the fraction of a surface's light that passes the surfaces in front, from 0 to 1. This object
+    /// is the transmittance of the surfaces in front.
     /// - `sum`: amount of light
-    /// - `moment`: sum of light times the lens point that it passes through
+    /// - `moment`: light times the lens point (in lens radii) through which it passes, summed over the lens
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // Mean over the lens of light S times transmittance E, both linear functions of the lens point: s e +
-        // 4 s_q . e_q, with means s, e and slopes s_q, e_q.
+        // Light and transmittance are both assumed to be linear functions of the lens point, as in OverLens.
+        // The mean of their product is the product of their means, plus 4 times the dot product of their
+        // tilts. The factor is 16 times 1/4, the mean of x^2 over the unit disc.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -59,8 +61,8 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Of several surfaces in one plane, the one with the smallest alpha comes first. Otherwise, rounding
-    // errors could let a wall hide an emitter on the wall.
+    // Sorts surfaces at the same depth by alpha, smallest first. Otherwise, rounding errors of the depth
+    // could put a small light source behind the wall on which it lies.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -77,33 +79,37 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a surface that passes the surfaces in front. Colour and alpha are attenuated separately, because
-/// they may pass through different sides of the lens.
+/// The part of a surface's light that passes the surfaces in front. Colour and alpha are attenuated
+/// separately, because they may be concentrated on different sides of the lens.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
     LensMoment lens;  ///< lens moment of alpha
 
-    /// Adds `light`, multiplied by `times` and by the transmittance `open` of the surfaces in front.
+    /// Adds `light`, multiplied by `times` and attenuated by the surfaces in front. `open` is the
+    /// transmittance of these surfaces, as a function of the lens point.
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
         const double shown = times * open.passing(light.rgb[0] + light.rgb[1] + light.rgb[2], light.lens.rgb);
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Mean of alpha times transmittance times lens point. Alpha and transmittance are linear functions of
-        // the lens point; their quadratic term is omitted.
+        // Adds the mean over the lens of alpha times transmittance times lens point. Alpha and transmittance
+        // are linear functions of the lens point. So the result has two terms: the mean of each function
+        // times the tilt of the other.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by surfaces in front that shift about as far as the given surface when the lens point
-/// moves. The given surface has the signed CoC radius `radius_px`.
+/// Returns the coverage by those surfaces in front that shift together with a given surface when the lens
+/// point moves. Surfaces shift together if their signed CoC radii are similar. `radius_px` is the radius of
+/// the given surface.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
-    // Searches from the nearest surface in front towards the lens. In front of a surface that moves
-    // independently over the lens, all others do, too.
+    // Starts with the surface directly in front and continues towards the lens. The search ends at the first
+    // surface that shifts independently of the given surface, because all nearer ones differ even more in
+    // depth.
     for (std::size_t i = laid.size(); i-- > 0;) {
         const double apart = independence(radius_px, laid[i].radius_px);
         if (apart >= 1) break;
@@ -130,20 +136,22 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // `f.seen` is light that the pinhole sees. Surfaces in front that move with `f` never hide it, so
-        // what they cover is added back.
+        // The pinhole sees the light `f.seen` of this surface. Surfaces in front that shift together with it
+        // do not hide this light from other lens points either. So their coverage is added back to the
+        // transmittance.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface covers at most what is uncovered so far. It covers at least its own alpha, minus what
-        // surfaces in front cover.
+        // The surface covers at most the part of the lens that is still uncovered (free.mean). It covers at
+        // least its own alpha (`whole`) minus what surfaces in front hide (1 - free.mean, or f.covered if
+        // that is larger).
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If alpha is increased, hidden light is added. Scaling up the visible light instead could make a
-        // pixel arbitrarily bright.
+        // If the lower limit `least` exceeds the alpha of the visible light, hidden light of the surface is
+        // added. Scaling up the visible light instead could make a pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -153,8 +161,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits how unevenly the uncovered part lies on the lens. The first moment of a part of area A
-        // (fraction of the lens) is at most A (1 - A).
+        // Limits `free.tilt`, which shows on which side of the lens the uncovered part lies. If this part has
+        // the area A, as a fraction of the lens, the length of the tilt is at most A (1 - A).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

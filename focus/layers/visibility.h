@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Shows on which side of the lens a surface's light is concentrated. The colour channels share one moment,
-/// because over the lens brightness varies more than hue.
+/// Shows on which side of the lens a surface's light is concentrated. The three colour channels share the
+/// moment `rgb`, because brightness varies more over the lens than hue.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
@@ -53,9 +53,9 @@ struct Fragment {
 /// Composites the surfaces of a pixel with "over" [porter1984], and divides by their total coverage. Sorts
 /// them by depth. All must have positive alpha. Without surfaces the result is black.
 ///
-/// A blurred edge that covers one side of the lens attenuates only light through that side. Surfaces with the
-/// same circle of confusion shift together over the lens, and do not attenuate each other's visible parts
-/// (see independence).
+/// A blurred edge that covers one side of the lens attenuates only light through that side. Surfaces with
+/// similar circles of confusion shift together when the lens point moves (see independence). So if the
+/// pinhole sees a part of such a surface, no other such surface hides this part from any lens point.
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

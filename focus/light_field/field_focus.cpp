@@ -66,8 +66,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Chooses the recorded instants whose surfaces are reprojected to make an image at the instant `time_s`.
-/// Each has a weight, and the motions of the objects up to `time_s`.
+/// Chooses the recorded instants whose surfaces are reprojected to draw the scene at the instant `time_s`.
+/// Each gets a weight, and the motion of every object from the recorded instant to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -76,8 +76,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Returns whether the crop has a drawn pixel in which no lens point sees a recorded surface. Such gaps are
-/// filled from surrounding pixels, which may lie outside the crop.
+/// Returns whether the crop contains a gap: a drawn pixel in which no lens point sees a recorded surface.
+/// Gaps are filled from surrounding pixels, which may lie outside the crop.
 bool has_gaps(const PatchPicture& seen, std::size_t number, std::span<const FieldViews> sets, int piece_px,
               const std::optional<OneSurface>& simple, const Crop& crop) {
     std::atomic<bool> found = false;
@@ -147,13 +147,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A mirror and the image in it move differently if the camera or objects move. A negative follow_px lets
-    // them be reprojected separately.
+    // If the camera or objects move, a mirror and the image in it move differently. So they must be
+    // reprojected separately. A negative follow_px means that an image is never drawn fixed to its mirror.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // On moving objects, only small highlights that are seen directly are spread by blur kernels. All others
-    // there are reprojected like ordinary samples.
+    // Highlights on moving objects are spread by blur kernels only if they are small and seen directly. All
+    // other highlights on moving objects are reprojected like ordinary samples.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -178,8 +178,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // If rays are traced, highlights can only be treated separately with all surfaces in memory. Here
-        // surfaces are read a few rows at a time.
+        // The surfaces do not fit into memory here, so they are read a few rows at a time. If rays are
+        // traced, highlights are then not treated separately, because this needs all surfaces in memory.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -275,8 +275,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // A highlight may be hidden by any surface that some lens point sees. So surfaces within the range of
-        // the whole lens are kept.
+        // Any surface that some lens point sees may hide a highlight. So each group of image rows keeps all
+        // surfaces that any point of the lens may see there.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

@@ -36,8 +36,9 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels are left out where the method `scatter` is exact, because all lens points see one
-    /// surface at rest. They must make up at least this fraction of the image.
+    /// If set, pixels in which all lens points see one surface at rest are not drawn, because the method
+    /// `scatter` is exact for them. They are left out only if they make up at least this fraction of the
+    /// image.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are
@@ -47,12 +48,13 @@ struct FieldFocusSettings {
     /// Memory limit, in bytes, for the surfaces of the scene. Above it, the image is drawn in groups of rows,
     /// with bit-identical results.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays where the sample file does not show what a lens point sees. If null, no rays are traced.
+    /// Traces rays where a lens point sees something that the sample file does not contain. If null, no rays
+    /// are traced.
     const SightRays* rays = nullptr;
 };
 
-/// The mean of the images from all lens points. Pixels in which no lens point sees a recorded surface are
-/// filled from the surrounding pixels.
+/// The mean of the images from all lens points. Pixels in which no lens point sees a surface of the sample
+/// file are filled from the surrounding pixels.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
@@ -63,8 +65,8 @@ struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
     int first = 0;  ///< index of the first view; it is above 0 if a set is continued
-    /// Returns whether to draw this square of the image. All others are undefined. If the function is empty,
-    /// the whole image is drawn.
+    /// Returns whether to draw this square of the image. Pixels of all other squares are undefined. If no
+    /// function is set, the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
     // The following functions are only used if rays are traced (see PatchViews).
@@ -94,7 +96,8 @@ class FieldFocuser {
     /// Draws the image that the lens points of one set see on average. The result is bit-identical for any
     /// number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws several sets of lens points together, which is faster than one after the other.
+    /// Draws the images of several sets of lens points together, which is faster than drawing one after the
+    /// other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
 
   private:
@@ -104,8 +107,8 @@ class FieldFocuser {
     /// shutter.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the parts of the image where all lens points see a single surface, which need not be drawn.
-    /// Returns nothing if all pixels must be drawn.
+    /// Finds the parts of the image where all lens points see a single surface. They need not be drawn here,
+    /// because the simpler method `scatter` is exact for them. Returns nothing if all pixels must be drawn.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

@@ -17,27 +17,29 @@ namespace {
 /// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
 /// images from single lens points would show them as separate dots.
 constexpr double spread_from_px = 2;
-/// A highlight with a smaller blur radius than this, in px, sends light through the whole lens to a single
-/// pixel. Lens points all over the lens then decide whether it is visible.
+/// If the blur radius of a highlight is smaller than this, in px, the whole lens sends its light to a single
+/// pixel. Lens points all over the lens, not only those near one point, are then tested for whether they see
+/// it.
 constexpr double seen_by_all_px = 0.5;
-/// Highlights with a smaller blur radius than spread_from_px are spread by blur kernels only if their total
-/// area on one surface (within 16 x 16 px) is less than this, in px^2:
+/// Limits for sharp highlights, whose blur radius is below spread_from_px. They are spread by blur kernels
+/// only if their total area on one surface, within 16 x 16 px, is less than this, in px^2:
 /// - sharp_px2, if nothing hides a part of them
 /// - small_px2, if they are partly hidden, and seen in a mirror or through glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// The squares in which highlights are merged are halved at most this often, from merged_px to 1/8 px. Finer
-/// squares are useless, because kernel positions are rounded to 1/16 px (KernelKey::phase_steps).
+/// Highlights are merged in squares of edge merged_px, which are halved at most this often, to 1/8 px. Each
+/// highlight then lies within 1/16 px of the centre of its square, and kernel positions are rounded to 1/16
+/// px anyway (KernelKey::phase_steps).
 constexpr int most_halvings = 2;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
-/// The number of instants at which moving highlights are drawn determines the width of the squares in which
-/// they are merged:
+/// Highlights that lie within the same small square are merged into one light source. For moving highlights,
+/// the width of the square depends on the number of instants at which they are drawn:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
-/// - merged_px above
+/// - 1/2 px (merged_px) above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// Limit for the number of light sources that represent moving highlights, one per highlight and instant. To
 /// meet it, highlights are drawn at fewer instants, but at no fewer than least_moments.
@@ -57,19 +59,19 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns how far a highlight's blur shifts, in px, because its surface is inclined. The side of the lens
-/// that sees the surface larger receives more light.
+/// Returns how far a highlight's blur shifts, in px, because its surface is inclined. From one side of the
+/// lens, the surface appears larger, so more light passes through that side.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Highlights that do not move are merged within squares of the edge merged_px. Returns how often the edge
-/// must be halved, so that merging causes no visible error.
+/// Highlights that do not move are merged into one light source if they lie within the same square of edge
+/// merged_px. Returns how often this edge must be halved, so that merging causes no visible error.
 ///
-/// A square of edge a and radiance L, blurred over an area A, adds the radiance L a^2 / A to a pixel. Merging
-/// may remove a / 8 of it from a pixel at the rim of the blur.
+/// A square of edge a, in px, and radiance L is blurred over an area A. It adds the radiance L a^2 / A to
+/// each pixel of this area. At the rim of the area, merging may remove the fraction a / 8 of this radiance.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -110,11 +112,13 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Sharp, partly hidden highlights in a mirror are reprojected, because an impulse response ignores
-        // what hides them. Very small ones are not: few lens points would hit them.
+        // Partly hidden highlights in a mirror or behind glass are reprojected if they are sharp, because
+        // blur kernels ignore what hides them. Very small ones are spread by blur kernels anyway, because few
+        // of the reprojected images would show them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // Partly hidden highlights are reprojected if they are sharp or wider than their blur, because a
-        // nearer surface hides each part of a wide highlight differently.
+        // Partly hidden highlights that are seen directly are spread by blur kernels only if they are
+        // blurred, and smaller than their blur. Nearer surfaces hide each part of a larger highlight
+        // differently, so it is reprojected.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -238,13 +242,14 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the blur is as small as a pixel, light reaches the pixel through the whole lens. Points all over the
-    // lens then decide whether the highlight is visible.
+    // If the blur is smaller than a pixel, the whole lens sends the highlight's light to one pixel. Lens
+    // points all over the lens, not only those near one point, are then tested for whether they see the
+    // highlight.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // Divides a sharp moving highlight at the borders of pixels, because its blur kernel would otherwise put
-    // all its light into one pixel.
+    // Divides a sharp moving highlight at the borders of pixels, into one light source per pixel. Its blur is
+    // smaller than a pixel, so a single light source would put all its light into one pixel.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
@@ -270,8 +275,9 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     }
 }
 
-// Groups the highlights of one surface within squares of the edge group_px, to compute only once what nearer
-// surfaces hide of them. The shadows of these surfaces shift by less than group_px.
+// Groups the highlights of one surface that lie within a square of edge group_px. Which part of their blur
+// nearer surfaces hide is computed only once per group. Within a group, the outline of this part shifts by
+// less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

@@ -1,5 +1,5 @@
-// Spreads highlights (very bright light) in a light field with exact blur kernels. Nearer surfaces may hide
-// them from parts of the lens.
+// Blurs highlights (very bright light) with exact blur kernels, and tests from which parts of the lens nearer
+// surfaces hide them. All other light is blurred as the mean of images from many lens points.
 #pragma once
 
 #include <memory>
@@ -16,17 +16,18 @@
 
 namespace postlens {
 
-/// Returns the rule that selects highlights to be spread by blur kernels, because the mean of a few images
-/// would show copies of them. It selects none if the kernel varies over the image or has spherical
-/// aberration.
+/// Returns the rule that selects highlights to be spread by blur kernels. If a highlight were blurred as the
+/// mean of a few images from single lens points, separate copies of it would be visible.
+///
+/// The rule selects none if the kernel varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// Highlights that were removed from the recorded surfaces, to be spread by blur kernels. A pixel receives a
 /// highlight's light through each lens point that sees the highlight.
 ///
-/// In each tile of the image, visibility is computed exactly for the brightest highlights that do not move
-/// and are seen directly. For all others, it is taken from the nearest lens points for which an image is
-/// reprojected.
+/// In each tile (square of the image), visibility is computed exactly for the brightest highlights that do
+/// not move and are seen directly. For all others, it is taken from images that were drawn from single lens
+/// points: those nearest to the point where the light passes the lens.
 class FieldHighlights {
   public:
     /// - `sheets`: the surfaces whose highlights are blurred; must outlive this object
