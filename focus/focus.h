@@ -34,8 +34,8 @@ struct FocusSettings {
     /// Number of depths for which blur kernels are computed, from 2 to DepthLevels::most_depths. Every sample
     /// uses the kernel of the nearest of these depths.
     ///
-    /// By default, the depths are so dense that this changes CoC diameters by less than half a pixel. The
-    /// change may be larger with linear `spacing`, or for diameters above 2048 px.
+    /// By default, the depths are so dense that rounding to them changes CoC diameters by less than half a
+    /// pixel. The change may be larger with linear `spacing`, or for diameters above 2048 px.
     std::optional<int> depths;
     /// Number of lens points from which the method `lightfield` makes images, 1 to most_lens_views.
     int views = default_lens_views;

@@ -34,7 +34,7 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns the samples of each pixel along one side of the image, and how many pixels far each is repeated
+/// Returns the samples of each pixel along one side of the image, and over how many pixels each is repeated
 /// beyond the image border. The repeated samples stand for the surfaces that continue there.
 ///
 /// The side begins at the pixel (x, y) and runs right (along_x = 1) or down (along_y = 1).

@@ -276,8 +276,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
 }
 
 // Groups the highlights of one surface that lie within a square of edge group_px. Which part of their blur
-// nearer surfaces hide is computed only once per group. Within a group, the outline of this part shifts by
-// less than group_px.
+// nearer surfaces hide is computed only once per group. Between highlights of a group, the outline of this
+// part shifts by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {
