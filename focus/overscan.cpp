@@ -10,12 +10,12 @@
 namespace postlens {
 namespace {
 
-/// A warning appears only if the missing light of surfaces outside the recorded area would reach farther into
-/// the image than this, in px.
+/// Surfaces outside the recorded area are missing, so their blur is missing in the image. A warning appears
+/// only if this blur would reach farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns how far the light of surfaces outside the recorded area would reach into the image, in px. There
-/// is one value per pixel along one side of the image.
+/// Returns how far the blur of surfaces outside the recorded area would reach into the image, in px, for each
+/// pixel along one side of the image. `radii` are the blur radii along this side of the recorded area.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

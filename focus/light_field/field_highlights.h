@@ -30,22 +30,25 @@ namespace postlens {
 /// points: those nearest to the point where the light passes the lens.
 class FieldHighlights {
   public:
-    /// - `sheets`: the surfaces whose highlights are blurred; must outlive this object
+    /// Prepares the highlights of recorded surfaces to be spread by blur kernels.
+    /// - `sheets`: the recorded surfaces with their highlights; must outlive this object
     /// - `window`: the pixels of the image
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the light that highlights add to the image of one set of lens points. Keeps a reference to
-    /// this object.
-    /// - `set`: number of the set, and random seed
-    /// - `instants`: for each lens point, the fraction of the exposure that has passed, or empty
+    /// Returns an object that adds the light of the highlights to the mean of images from the lens points
+    /// `views`. It keeps a reference to this FieldHighlights.
+    /// - `set`: number of this set of lens points, also used as random seed
+    /// - `instants`: for each lens point, its instant as a fraction of the exposure; may be empty if nothing
+    ///   moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) through the lens to highlights whose blur reaches the pixel.
-    /// Rays for sharp moving highlights are random within the pixel.
+    /// Chooses random rays to be traced. Each ray starts in the pixel (x, y), passes through the lens and
+    /// hits a highlight whose blur reaches the pixel. For sharp moving highlights, the rays have random
+    /// positions in the pixel and may miss.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The
@@ -54,9 +57,9 @@ class FieldHighlights {
 
   private:
     class OverViews;
-    /// A square highlight that is merged with its neighbours into one light source.
+    /// One of the square highlights that are merged into one light source.
     /// - `at`: centre of the square relative to the light source, in px
-    /// - `area_until`: summed area of the highlights up to this one, in px^2
+    /// - `area_until`: total area of this square and the squares before it in the list, in px^2
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -87,8 +90,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights whose blur reaches a tile (square of the image). Their visibility is tested at
-    /// `samples` positions per pixel or, if 0, at the lens points of the image.
+    /// Neighbouring highlights whose blur reaches a tile (square of the image). `samples` is the number of
+    /// positions per pixel at which their visibility is computed exactly. If it is 0, the images seen from
+    /// the lens points decide.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -16,8 +16,9 @@ namespace {
 /// A highlight's blur kernel reaches at most kernel_grows times as far as its circle of confusion, plus
 /// kernel_margin_px. It may exceed the circle, because kernel sizes are rounded.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A large image is drawn in groups of rows. A surface stays in memory for later groups if some lens point
-/// sees it shifted vertically by more than far_px. Together, such surfaces need at most most_far_bytes.
+/// A large image is drawn in groups of rows. If some lens point sees a surface more than far_px above or
+/// below its recorded rows, the surface stays in memory for later groups. At most most_far_bytes are kept;
+/// all other surfaces are read again.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -53,7 +54,8 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // Measures an eighth of the file, in groups of 16 rows, but at most six groups.
+    // Builds the surfaces of a part of the file, to measure their memory: an eighth of its rows, in groups of
+    // 16 rows, but at most six groups.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;

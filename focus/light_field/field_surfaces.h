@@ -1,5 +1,5 @@
-// Provides the recorded surfaces from which a light field is drawn: all surfaces of the file, or only those
-// that appear in one group of image rows.
+// Provides the recorded surfaces from which a light field is drawn. To save memory, a large image is drawn in
+// groups of rows, and only the surfaces that appear in one group are read.
 #pragma once
 
 #include <algorithm>
@@ -47,9 +47,10 @@ inline constexpr double most_surface_bytes_of_record = 400;
 /// reads therefore need only rows near the group.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments.
-    /// - `views`: the settings and lens points of the image; its surfaces are not used
-    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px m as LensShift::lens_px
+    /// Prepares to read the surfaces of `file`. Keeps references to its arguments.
+    /// - `views`: the settings and lens points of the image; surfaces in it are ignored
+    /// - `lens_box_px`: largest |x| and |y| of a lens point (in m), times film distance / pixel pitch, in px
+    ///   m
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
@@ -73,8 +74,9 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces that some lens point sees many rows away from their recorded position, so they stay in
-    /// memory. `primary` and `deeper` are the rows in which they may appear.
+    /// Surfaces that stay in memory, because some lens point sees them many rows away from their recorded
+    /// position. The ranges of rows in which they may appear are `primary` for directly visible surfaces, and
+    /// `deeper` for reflected and transmitted ones.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -1,5 +1,5 @@
-// Chooses rays from a pixel through the lens to the highlights of a light field, to check the highlights'
-// light by tracing.
+// Chooses the rays that are traced to check the light of highlights in a light field. Each ray starts in a
+// pixel and passes through the lens to a highlight whose blur covers the pixel.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,12 +15,12 @@ namespace {
 
 /// Number of random attempts to find a ray from a highlight through both the aperture and the pixel.
 constexpr int attempts = 256;
-/// Factor by which the number of rays through a pixel increases if a sharp moving highlight passes nearby.
-/// Many of these rays miss the highlight.
+/// If a sharp highlight moves past a pixel during the exposure, the number of rays through the pixel is
+/// multiplied by this. More rays are needed, because many of them miss the highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface that pass near a pixel. `spans` are the parts of the exposure, as
-/// fractions of its length, in which they are near.
+/// Sharp highlights of one surface that move past a pixel during the exposure. `spans` are the intervals in
+/// which one of them is near the pixel, as fractions of the exposure.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -136,8 +136,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // A sharp moving highlight was selected. The ray is random, because rays to recorded positions
-            // would miss unrecorded parts of the highlight.
+            // The selected highlight is sharp and moves. The ray gets a random position in the pixel, because
+            // rays towards recorded positions would miss unrecorded parts of the highlight.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -156,8 +156,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // If the blur is smaller than a pixel, chooses a random lens point and computes the ray's position in
-        // the pixel, otherwise the reverse. Few rays then miss the highlight.
+        // A ray has a lens point and a position in the pixel. One of them is chosen at random; the
+        // highlight's position then determines the other. If the blur is smaller than a pixel, the lens point
+        // is chosen, otherwise the position. Few rays then miss the pixel or the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

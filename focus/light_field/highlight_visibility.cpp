@@ -18,31 +18,33 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight only if its inverse depth is more than this many times the highlight's.
+/// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
+/// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// Limits the time for computing which highlights are hidden in a tile (square of the image). The limit is
-/// the time for drawing the tile from this many lens points, or from all lens points of the image if there
-/// are more.
+/// Limits the time of the exact tests that find the hidden highlights in a tile (square of the image). They
+/// may take as long as drawing the tile from least_drawn lens points, or from all lens points of the image if
+/// there are more.
 constexpr std::size_t least_drawn = 64;
-/// Lower limit for the estimated time of one test of what hides a group of highlights. Unit: the time for
-/// drawing a whole tile (square of the image) from one lens point.
+/// One visibility test of a group of highlights is estimated to take at least this time. The unit is the time
+/// for drawing a whole tile (square of the image) from one lens point.
 constexpr double least_cost = 0.1;
-/// Positions in a pixel, in px, at which it is tested whether a highlight is hidden. No two share a row or
-/// column of a 4 x 4 grid.
+/// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
+/// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Four points that represent a group of highlights when testing what hides it. Unit: standard deviations of
-/// the highlights' positions from their centre. The points have mean 0 and variance 1 along each axis.
+/// Four points that represent all highlights of a group when computing which nearer surfaces hide them. Each
+/// is an offset from the group's centre, in standard deviations of the highlights' positions. Along each
+/// axis, the offsets have mean 0 and variance 1.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// A nearer surface casts one shadow onto the image for each highlight of a group. If these shadows are at
-/// most this far apart (standard deviation, in px), they are computed as one.
+/// A nearer surface casts one shadow onto the image for each highlight of a group. If the standard deviation
+/// of the shadows' positions is at most this, in px, one shadow is computed for the whole group.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// Adds the light of highlights to the mean of images from a set of lens points. Whether a part of the lens
-/// sees a highlight is usually taken from the nearest of these lens points.
+/// Adds the light of highlights to the mean of images that were drawn from a set of lens points. Usually
+/// these images also decide which parts of the lens see a highlight.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -70,16 +72,18 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The lens points that decide whether a highlight is visible.
-    /// - `nearest`: those nearest to each of `edge` x `edge` cells over the lens
-    /// - `all`: some from the whole lens, for sharp highlights
+    /// The lens points whose images decide whether a highlight is visible.
+    /// - `nearest`: the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the
+    ///   lens
+    /// - `all`: lens points all over the lens, for sharp highlights
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Finds the three lens points nearest to each of `edge` x `edge` cells over the lens. away2(i) is the
-    /// squared distance of lens point i in time, which is added.
+    /// Finds the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the lens.
+    /// Lens points have different instants, so away2(i), the squared distance in time of lens point i, is
+    /// added to its squared distance on the lens.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -103,8 +107,9 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// For moving highlights, each of `spans` equal intervals of the exposure has its own list of nearest
-    /// lens points. Distance in time counts, too: the whole exposure as `lens_radii_of_open` lens radii.
+    /// The exposure is divided into `spans` equal intervals. Each interval has its own list of nearest lens
+    /// points, for moving highlights. Differences in time count as distances: the whole exposure is as long
+    /// as `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -185,8 +190,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // Approximation: a highlight in a mirror or behind glass is visible wherever the mirror or glass is
-    // visible.
+    // Approximation: the test ignores what hides a highlight within a reflection or behind glass. The
+    // highlight counts as visible wherever its mirror or glass is visible.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -232,8 +237,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which visibility is tested. It differs between groups of highlights,
-    // so that not all miss the same nearer surface, and between sets of lens points.
+    // Offset of the positions in the pixel at which visibility is tested. It differs between groups of
+    // highlights, because otherwise all groups could miss the same small surface. It also differs between
+    // sets of lens points.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -247,8 +253,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Surfaces behind the highlight cannot hide it. They are not sorted by their nearest point, so
-            // later ones may lie in front.
+            // Skips surfaces behind the highlight, which cannot hide it. The surfaces are not sorted by
+            // depth, so later ones may lie in front of the highlight.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -264,7 +270,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         return;
     }
     // A nearer surface casts one shadow for each highlight of the group. If these shadows are visibly far
-    // apart, four points stand for the group instead of its centre.
+    // apart, visibility is tested for four points of the group instead of only its centre.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {

@@ -1,4 +1,5 @@
-// Selects the highlights that are spread by blur kernels if rays are also traced to correct the image.
+// Selects the highlights that are spread by blur kernels in an image that is also corrected by traced rays.
+// The rays must leave these highlights out, so that their light is not counted twice.
 #pragma once
 
 #include "reproject/patches/patches.h"
@@ -7,14 +8,16 @@
 
 namespace postlens {
 
-/// Restricts `rule`, which selects the highlights to be spread by blur kernels. Returns the selected light,
-/// which rays must leave out.
+/// Decides which highlights are spread by blur kernels in an image that is also corrected by traced rays.
+/// Restricts `rule` to these highlights. Returns their light, which rays must leave out so that it is not
+/// counted twice.
 ///
-/// A ray recognises only which surface it hits, so all bright light of a surface is selected, or none. None
-/// is selected if:
-/// - different rays see different radiance on the surface (SightRays::steady is false)
+/// A ray recognises only the surface that it hits. So either all bright light of a surface is spread by blur
+/// kernels, or none. None is if:
+/// - different rays see different radiance at a point of the surface (SightRays::steady is false)
 /// - the file lacks some of the surface's bright light
-/// - the light fills most of its blur, because images from many lens points then show it
+/// - the light fills most of the area over which it is blurred, because images from many lens points then
+///   show it
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
                                            bool moves, HighlightRule& rule);
 

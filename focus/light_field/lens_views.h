@@ -31,8 +31,9 @@ void check_has_points(const Impulse& impulse);
 /// instant. They are distributed like the aperture's transmittance, by a five-dimensional Sobol sequence
 /// [joe2008] with Owen scrambling [owen1995].
 ///
-/// Sets are scrambled independently, so the difference of their mean images shows the noise. Throws
-/// Error(wrong_arguments) if `views` is below 1 or the set would exceed most_lens_views.
+/// Each set has its own random scrambling. Two sets are therefore independent, and the difference between
+/// their mean images shows the noise. Throws Error(wrong_arguments) if `views` is below 1 or the set would
+/// exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

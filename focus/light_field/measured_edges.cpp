@@ -19,18 +19,19 @@
 namespace postlens {
 namespace {
 
-/// Number of rays per pixel and axis that measure which area a highlight covers in a pixel that its edge
-/// crosses. The standard deviation of this area is about 0.007 px^2.
+/// If the edge of a highlight crosses a pixel, edge_rays x edge_rays rays measure which area of the pixel the
+/// highlight covers. The standard deviation of this area is about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Up to finest_rays x finest_rays rays per pixel measure highlights smaller than small_light_px2, in px^2.
-/// The error of the measured area is at most 1 %.
+/// If a highlight is smaller than small_light_px2, in px^2, more rays measure it: up to finest_rays x
+/// finest_rays per pixel. With this number, the error of the measured area is at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// Rays measure a highlight in a part of a pixel, which is divided into this many squares per axis. The rays
-/// that hit the highlight in one square are merged into a single small highlight.
+/// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
+/// squares. All hits in one square are merged into one small highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels in which rays measure highlights, as a fraction of the pixels of all surfaces,
-/// but at least least_measured. If more pixels contain an edge of a highlight, none are measured.
+/// Limit for the number of pixels in which rays measure highlights: this fraction of the pixels of all
+/// surfaces, but at least least_measured. If edges of highlights cross more pixels, rays measure no
+/// highlights.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -42,8 +43,8 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// The part of a pixel in which rays measure a highlight. `begin` and `end` are two opposite corners, in px
-/// within the pixel.
+/// A part of a pixel that rays search for a highlight, to measure its area. `begin` and `end` are two
+/// opposite corners, in px within the pixel.
 struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
@@ -66,14 +67,14 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels that an edge of the highlights may cross, to measure them with rays. Leaves out
-    /// what such rays cannot improve, for example partly hidden highlights.
+    /// Returns the pixels that an edge of the highlights may cross, so that rays can measure them. Leaves out
+    /// pixels where rays cannot improve the result, for example because a highlight is partly hidden.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel that may be bright, according to the samples in it and in its eight
-    /// neighbours.
+    /// Returns the part of a pixel that a highlight may cover, according to the recorded highlights in this
+    /// pixel and its eight neighbours.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Traces `across` x `across` rays through a part of a pixel, and returns the bright squares that they
-    /// hit.
+    /// Traces `across` x `across` rays through a part of a pixel. Divides this part into squares, and returns
+    /// one small highlight for each square in which rays hit bright light.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
@@ -92,8 +93,9 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A highlight may extend to the neighbouring sample, one quadtree cell away. `light.area` is a
-            // quarter of the cell's area, so the cell is 2 sqrt(light.area) wide.
+            // A highlight may extend from its sample almost to the next sample, which is one quadtree cell
+            // away. `light.area` is the quarter of a cell that belongs to the sample, so the cell is 2
+            // sqrt(light.area) wide.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -180,8 +182,8 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depth and slope of a surface at its directly visible highlights. lines[i] is the ray through
-/// the pinhole to lights[i]. Highlights in mirrors or behind glass do not change.
+/// Measures the depth and slope of a surface at the highlights `lights`. lines[i] is the ray through the
+/// pinhole to lights[i]. Does nothing if the highlights are seen in mirrors or through glass.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -196,8 +198,8 @@ void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> line
     }
 }
 
-/// Measures the depth and slope of a surface at its recorded highlights, with a ray through the pinhole to
-/// each.
+/// Measures the depth and slope of a surface at each of its recorded highlights. One ray through the pinhole
+/// measures both, because the ray tracer also returns the gradient of the depth.
 void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const SightRays& rays) {
     constexpr std::size_t lines_per_task = 4096;
     parallel_for((lights.size() + lines_per_task - 1) / lines_per_task, [&](std::size_t task) {
@@ -268,8 +270,8 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// Rays found that a highlight touches the border of the part of a pixel that they searched. Returns the
-/// areas to be searched next: a larger part of the pixel, and neighbouring pixels.
+/// Returns the areas that rays must search next, if they found that a highlight touches the border of the
+/// searched area. These are a larger part of the same pixel, and neighbouring pixels.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;
@@ -332,8 +334,8 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
     while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
-    // Traces rays in neighbouring pixels, too, where a narrow highlight continues without having been
-    // recorded.
+    // If a highlight touches the border of a pixel, the next pixel is searched, too. A narrow highlight may
+    // continue there although no sample recorded it.
     for (bool any = true; any && rays_of(finest) <= most_rays;) {
         std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
         for (const Edge& edge : edges) {

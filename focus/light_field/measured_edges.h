@@ -6,11 +6,12 @@
 
 namespace postlens {
 
-/// Measures the area of highlights with rays through the pinhole, where an edge of the highlight crosses a
-/// pixel. Replaces the highlights of `mesh` there, because coarse records misjudge the area of small ones.
+/// Measures the area of highlights with rays through the pinhole, in pixels that an edge of a highlight
+/// crosses. Replaces the highlights of `mesh` in these pixels, because coarse records misjudge the area of
+/// small highlights.
 ///
-/// A pixel is measured if the light is smaller than a pixel, or if the records are farther apart than the
-/// rays. `less` selects the light that counts as a highlight. Nothing may move.
+/// A pixel is measured if the highlight is smaller than a pixel, or if the records are farther apart than the
+/// rays. `less` selects the surfaces whose bright light counts as highlights. The scene must be static.
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
 
 }  // namespace postlens

@@ -14,9 +14,9 @@ constexpr int looks = 64;
 /// A moving highlight is drawn at several instants. Between two of them, it should move by at most step_px
 /// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// A moving highlight is drawn once in each of several equal intervals of the exposure, at one of `turns`
-/// instants of the interval. The fractional part of x * turn_x + y * turn_y selects the instant, so that
-/// neighbouring highlights differ (x, y: position in px).
+/// A moving highlight is drawn once in each of several equal intervals of the exposure. In each interval,
+/// there are `turns` possible instants. The fractional part of x * turn_x + y * turn_y selects one of them,
+/// where (x, y) is the highlight's position in px. Neighbouring highlights thus have different instants.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// A moving highlight is not drawn at instants at which its position or CoC radius exceeds this, in px.
@@ -45,8 +45,8 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // Moves two neighbouring points as well. The area between the three points shows how much the highlight
-    // grows, for example because it comes nearer.
+    // Also moves two neighbouring points, one pixel to the right and one pixel below. The area between the
+    // three points shows how much the highlight grows, for example because it comes nearer.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -18,26 +18,27 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Largest total area, in px^2, of the moving highlights of a surface (within 16 x 16 px) that are
-    /// blurred into streaks. Larger ones already look like streaks without this.
+    /// Moving highlights are drawn as streaks along their path only if they are small. Their total area on
+    /// one surface, within a square of 16 x 16 px, must be less than this, in px^2. Larger highlights already
+    /// look like streaks in the mean of the reprojected images.
     static constexpr float largest_px2 = 64;
-    /// Highlights become streaks only if their radiance exceeds the limit for highlights by this. Dimmer ones
-    /// already look smooth in the mean of the reprojected images.
+    /// Moving highlights are drawn as streaks along their path only if their radiance exceeds white by at
+    /// least this. Dimmer highlights already look smooth in the mean of the reprojected images.
     static constexpr float least_radiance = 3;
 
     /// Returns how an object moves from the recorded instant to the instant at which the fraction `u` (0 to
     /// 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// - `moves`: whether an object moves on the raster
-    /// - `map`: the motion of an object
-    /// - `lens`: determines the size of the blur
+    /// - `moves`: returns whether an object moves in the image
+    /// - `map`: returns the motion of an object
+    /// - `lens`: the lens, from which the size of the blur is computed
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
     /// Returns whether a surface moves and is seen directly. `key` identifies its object and the reflections
     /// through which it is seen.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
-    /// Returns whether a moving highlight is blurred into a streak. `area_px2` is the area of all highlights
-    /// of its surface (BrightSheet::area_px2).
+    /// Returns whether a moving highlight is small and bright enough to be drawn as a streak along its path.
+    /// `area_px2` is the total area of the highlights of its surface (BrightSheet::area_px2).
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A moving highlight at one instant of the exposure.
     struct Moment {
@@ -46,20 +47,20 @@ class HighlightMotion {
         double share = 1;  ///< share of the highlight's energy
     };
     /// Returns at how many instants a moving highlight is drawn: a power of two up to `most_moments`, or 1
-    /// without motion. Between two instants, it may move and grow by half a pixel or, if larger, a quarter
-    /// of its CoC radius.
+    /// without motion. From one instant to the next, its position and blur radius may change by half a pixel.
+    /// Highlights with a large blur may change by a quarter of their blur radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` instants, spread evenly over the exposure and, if `turned`, shifted
-    /// differently for neighbours. Omits instants at which its light misses the image. Without motion,
-    /// returns one element with u = -1.
+    /// Returns the highlight at `count` instants that are evenly spaced over the exposure. If `turned`,
+    /// neighbouring highlights have different instants. Omits instants at which the highlight lies far
+    /// outside the image. If the highlight does not move, returns one element, whose Moment::u is -1.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Returns the motion of an object from the recorded instant to the middle of each of `count` equal parts
-    /// of the exposure. Several threads may call this function.
+    /// Returns how an object moves from the instant at which it was recorded to other instants. These are the
+    /// middles of `count` equal parts of the exposure. Several threads may call this function.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as too steep if a point at the edge of the lens sees it larger or smaller than the centre
-/// does, by more than this fraction.
+/// A surface counts as too steep if its image from the rim of the lens is stretched by more than this
+/// fraction, compared with its image from the centre.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -19,7 +19,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // The pixel filter and the blur kernels extend up to one pixel beyond the rectangle.
+    // Light spreads up to one pixel beyond the rectangle `r`, because the pixel filter and the blur kernels
+    // extend that far.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -79,8 +80,9 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts how many pixels surfaces cover in each cell. If the count exceeds the cell's area, the
-            // surface overlaps itself.
+            // Counts how many pixels the surfaces cover in each cell (8 x 8 px) of the pinhole image. If the
+            // count exceeds the cell's number of pixels, a surface covers some of them twice: it overlaps
+            // itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

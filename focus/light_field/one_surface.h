@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// States for each cell (`edge` x `edge` px) of an image whether all lens points see the same single surface
-/// there. The surface must not overlap itself, or be too steep.
+/// States for each cell (square of `edge` x `edge` px) of an image whether all lens points see the same
+/// single surface there. A surface that overlaps itself or is too steep does not count.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -20,20 +20,20 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Returns the fraction of the image's squares that show a single surface.
+    /// Returns the fraction of the image's cells (squares of `edge` x `edge` px) that show a single surface.
     [[nodiscard]] double share() const;
     /// Returns whether all cells that overlap a rectangle of the image show a single surface each.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Finds the parts of an image in which all lens points see a single surface. Planar parts of the recorded
-/// surfaces are its input, and may be added in several calls.
+/// Finds the parts of an image in which all lens points see a single surface. First, call `add` with the
+/// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
     /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds planar parts of surfaces: directly visible ones (`primary`), and reflected and transmitted ones
-    /// (`deeper`, may be empty).
+    /// Adds planar parts of recorded surfaces to the search. `primary` are those seen directly. `deeper` are
+    /// those seen by reflection or transmission, and may be empty.
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Intended difference, in px, between the CoC diameters of neighbouring depth levels with equal steps of z'.
-/// A smaller difference would need too many levels (most_linear_levels).
+/// Depth levels with equal steps of z' are spaced so that the CoC diameters of neighbouring levels differ by
+/// at most this, in px. A smaller difference would need too many levels (most_linear_levels).
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -95,8 +95,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // Depths up to half a step outside the range use the level at its end. Farther depths, which occur only
-    // in reflections and refractions, have no level.
+    // A depth up to half a step nearer than the first level or farther than the last uses that level. Depths
+    // beyond occur only in reflections and refractions, and have no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Shortest uniform interior of a kernel row, in px, that is stored as one value. Shorter interiors are
-/// stored pixel by pixel, which is as fast.
+/// The interior pixels of a kernel row all have the same value. If the row has at least this many, the value
+/// is stored once. Fewer values are stored pixel by pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
 /// Radius, in px, of the disc that replaces a blur ellipse whose size is rounded to 0. Its kernel equals that
@@ -173,10 +173,10 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // Needs no lock, because the table of kernel numbers no longer changes.
+        // No lock is needed, because kernels get no new numbers after `build`.
         return number_of_key_.at(key.packed());
     }
-    // Needs no lock for most blur kernels, because they already have a number.
+    // No lock is needed if the kernel already has a number, which most kernels have.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
@@ -187,7 +187,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // An axis that was rounded to 0 becomes half a step long, so that the ellipse has an area.
+    // If a size of the ellipse was rounded to 0, uses half a step instead, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
@@ -259,7 +259,8 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Computes one blur kernel for all keys that became equal by rounding (KernelKey::coarsen).
+    // Some keys became equal by rounding (KernelKey::coarsen). Computes only one blur kernel for them.
+    // `place_of` contains its index in to_build.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

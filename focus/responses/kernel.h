@@ -20,22 +20,23 @@
 
 namespace postlens {
 
-/// The columns [x_begin, x_end) of one row of a blur kernel, relative to the kernel's position. The columns
-/// [inner_begin, inner_end) share the value Kernel::inner; each other column has its own value (tap).
+/// One row of a blur kernel. It covers the columns [x_begin, x_end), relative to the kernel's integer
+/// position. The columns [inner_begin, inner_end) share the value Kernel::inner; each other column has its
+/// own value, called a tap.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Largest extent of kernels: the columns [-x, x) and rows [-y, y) around a sample, in px. They contain the
-/// whole image, wherever the sample lies.
+/// Limits blur kernels to the columns [-x, x) and rows [-y, y) around their sample, in px. The limits are so
+/// wide that, from any sample, they contain the whole image.
 struct KernelReach {
     int x = 0, y = 0;
 };
 
 /// A blur kernel: the impulse response of the lens on the pixel grid. Its values add up to 1 unless
-/// `KernelReach` clips it.
+/// `KernelReach` clips it. It is added to the image at an integer position, the anchor.
 struct Kernel {
     int y_begin = 0;  ///< row of rows.front(), relative to the anchor
     float inner = 0;
@@ -56,8 +57,8 @@ struct Kernel {
 /// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
 /// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Build a blur kernel, clipped to `reach`, from the outline of a uniform shape or from a grid of values,
-/// whose coordinates are relative to the kernel's position.
+/// Build a blur kernel, clipped to `reach`. Its values come from the outline of a uniform shape, or from a
+/// grid of values. Coordinates in `outline` and `grid` are relative to the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -68,9 +69,9 @@ struct ResponseRequest;
 struct KernelKey {
     /// The centres of blur kernels are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Sizes of blur ellipses are rounded to multiples of this step, in px, or of step / 4^k with fineness k.
-    /// Highlights smaller than fineness_below_px[k] use k = 1 or 2, because their brightness depends on the
-    /// size.
+    /// Sizes of blur ellipses are rounded to multiples of a step, so that samples share kernels. The step is
+    /// ellipse_step_px, in px, or ellipse_step_px / 4^k with fineness k. Highlights use the largest k for
+    /// which they are smaller than fineness_below_px[k], because their brightness depends on the size.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
@@ -84,7 +85,8 @@ struct KernelKey {
 
     // The following members are only used if the aperture is not round or the blur kernel varies over the
     // image.
-    bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
+    bool is_map =
+        false;  ///< whether half_height to map_yy are a 2x2 matrix (its columns, in units of step_px())
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
     std::int32_t cell_x = 0, cell_y = 0;  ///< cell of the image, counted from its centre
@@ -94,8 +96,8 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Number of leading bits to which the 2x2 matrix from the aperture to the image is rounded, relative to
-    /// its largest entry.
+    /// The key contains a 2x2 matrix from lens points to px. Its entries are rounded to this many leading
+    /// bits of the largest entry, so that similar blur kernels share a key.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -104,7 +106,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Number of bits that the largest size in a blur kernel's cache key needs, in steps of step_px().
+    /// Number of bits of the largest size in the key. Sizes are integers, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -129,8 +131,9 @@ struct Reach {
     void include(const Reach& other);
 };
 
-/// Table of blur kernels. First, any thread may request the numbers of kernels with `number_of`. Then `build`
-/// computes the kernels. Only the numbers depend on the timing of threads.
+/// Table of blur kernels, which are identified by numbers. First, any thread may request kernels with
+/// `number_of`, which returns their numbers. Then `build` computes the kernels. The timing of threads affects
+/// the numbers, but not the kernels.
 class KernelTable {
   public:
     /// - `disc_radius_px`: CoC radius of each depth level; blur kernel number i is the disc of level i
@@ -140,7 +143,8 @@ class KernelTable {
     /// Returns the number of the blur kernel with this key. After `build`, only keys that were requested
     /// before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Requests the blur kernel of a depth level: a disc centred on an integer raster position.
+    /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc whose
+    /// centre is an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Builds all requested blur kernels, in parallel. Call it once, after the last request. If the kernels
     /// need more than `memory_limit_bytes`, ellipses are rounded more coarsely. Throws Error(out_of_memory).
@@ -160,15 +164,15 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. Discs that were not
-    /// requested have a number, too, but an arbitrary kernel.
+    /// Returns how many kernels have a number; the numbers begin at 0. Call it after `build`. Every disc has
+    /// a number, but if it was not requested, the kernel of this number is meaningless.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
-    /// Returns the blur ellipse that a key stands for, for a round aperture.
+    /// Returns the ellipse of the blur kernel that `key` identifies. Only for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
-    /// Returns the 2x2 matrix from the aperture to px that a key stands for, for apertures that are not
-    /// round.
+    /// Returns the 2x2 matrix from lens points (in lens radii) to px for the blur kernel that `key`
+    /// identifies. Only for apertures that are not round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
     /// Returns the approximate memory that a blur kernel needs, in bytes.
@@ -185,8 +189,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// The hash map uses only the lowest bits of a hash, which in PackedHash depend only on the kernel's
-    /// subpixel position. Mixes them with the upper bits.
+    /// Improves PackedHash for the hash map, which uses only the lowest bits of a hash. In PackedHash, these
+    /// bits depend only on the kernel's subpixel position, so the upper bits are mixed in.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

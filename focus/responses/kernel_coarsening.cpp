@@ -59,8 +59,9 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Rounds the sizes and positions of blur ellipses more coarsely, so that more samples share a kernel. Each
-// range of sizes has its own step; with one step for all, small ellipses would vanish.
+// If blur kernels need too much memory, rounds the sizes and positions of blur ellipses more coarsely, so
+// that more samples share a kernel. The rounding step is smaller for small ellipses, because a large step
+// would round them to 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -80,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Kernels that become equal in one rounding step nearly always stay equal, so only one of them is
-        // kept. Sorting makes the choice independent of thread timing.
+        // Keys that become equal in one rounding step nearly always stay equal in the next ones, so only one
+        // of them takes part in the next steps. Sorting makes the choice independent of thread timing.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -100,8 +101,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of the blur radii in one octave (range up to twice the smallest) after `times`
-    // roundings, each of which doubles it.
+    // Returns the relative rounding error of the blur radii in one octave (range from a radius to twice this
+    // radius). The step of the rounding was doubled `times` times, and the error with it.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

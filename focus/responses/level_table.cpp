@@ -9,26 +9,26 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between neighbouring CoC diameters, in px, from small_px to even_px. Rounding then changes a diameter
-/// by less than a quarter of a pixel.
+/// Step between neighbouring CoC diameters of the table, in px, from small_px to even_px. A diameter is
+/// rounded to the nearest of them, so it changes by at most half a step: less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
 /// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, at least 1/8 px. A larger
 /// step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// CoC diameter, in px, below which a sample is not blurred. Between quadtree cells of different sizes, the
-/// traced image is already about this soft.
+/// A sample with a smaller CoC diameter than this, in px, is not blurred. Its blur would be hardly visible,
+/// because the traced image is about as soft between quadtree cells of different sizes.
 constexpr double sharp_below_px = 0.4;
-/// From the diameter even_px on, the CoC diameter of each depth level is 1/500 larger than that of the level
-/// before.
+/// From the CoC diameter even_px on, each depth level has a diameter 1/500 larger than the level before. So
+/// the diameter grows by the factor e over this many levels.
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Returns the depth level of a CoC diameter, as a real number that callers round. diameter_after is the
-/// inverse function.
+/// Returns the depth level of a CoC diameter as a real number, which the callers round to an integer. The
+/// inverse function is diameter_after.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;

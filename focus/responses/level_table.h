@@ -31,7 +31,8 @@ class LevelTable {
         if (!(wide_px < end_px)) return nearest_level(wide_px);
         return level_in(static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px)), wide_px);
     }
-    /// Computes level_of for the circles of confusion at several inverse depths, in 1/m.
+    /// For each of several inverse depths, in 1/m, computes the depth level that is nearest to its CoC
+    /// diameter.
     void levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m, std::size_t count,
                    std::uint32_t* level) const;
 
@@ -41,13 +42,13 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Size of the lookup table from CoC diameters to depth levels. Its cells are so narrow that at most one
-    /// level begins in each.
+    /// Size of the lookup table from CoC diameters to depth levels. Each depth level covers a range of
+    /// diameters. The table's cells are so narrow that at most one such range begins in each cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
     /// For each cell of the lookup table from CoC diameters to depth levels:
-    /// - begin_px_: diameter at which a level begins in the cell
-    /// - before_: level below this diameter
-    /// - step_: difference between the two levels, or 0 if no level begins
+    /// - begin_px_: diameter within the cell at which the next level begins
+    /// - before_: level of the smaller diameters in the cell
+    /// - step_: how much larger the next level's number is; 0 if the whole cell has one level
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -63,11 +63,13 @@ class NodeResponses {
     /// determines the depth at which it is blurred.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the fraction of a sample's light that the lens transmits, by which its colour and weight are
-    /// multiplied. It is 1 if one kernel serves the whole image.
+    /// Returns the fraction of a sample's light that the lens transmits. The sample's colour and weight are
+    /// multiplied by it. Without vignetting, all samples share one kernel over the whole image, and the
+    /// fraction is 1.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Returns the fraction of the lens that transmits light to a pixel of the image (vignetting). A pixel
-    /// that was divided by its sum of weights must be multiplied by it.
+    /// Returns the fraction of the lens that transmits light to a pixel of the image (vignetting). The
+    /// division by the sum of weights removes this darkening from a pixel, so its colour must be multiplied
+    /// by the fraction.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

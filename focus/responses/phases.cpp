@@ -9,23 +9,24 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, below which a sample on the border between pixels is blurred as several parts, one
-/// inside each pixel. Larger samples are blurred as a whole.
+/// A sample on the border between pixels has a part in each of them. If its CoC radius is smaller than this,
+/// in px, each part is blurred at a position inside its pixel. Otherwise the sample is blurred as a whole.
 constexpr double one_disc_from_px = 2;
 
-/// Returns how many subpixel positions per pixel, along each axis, blur kernels of this radius have. A sample
-/// between two positions is divided between them.
+/// Blur kernels are only computed for some subpixel positions. Returns how many there are per pixel, along
+/// each axis, for kernels of this radius. A sample between two of them is divided between them.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Returns how far, in px, a sample at a corner between quadtree cells of different sizes is moved. The move
+/// Returns how far, in px, to move a sample at a corner between quadtree cells of different sizes. The move
 /// corrects an integration error that would blur edges.
 ///
-/// Integration over a row of cells of width h with samples at their corners (trapezoidal rule) has an error
-/// of h^2 / 12 times the slope at each end (Euler-Maclaurin). To compensate for it, the part of a sample that
-/// belongs to a cell, with weight h / 2, moves by h / 6 into the cell.
+/// The trapezoidal rule integrates over a row of cells of width h, from samples at their corners. Its error
+/// is h^2 / 12 times the slope at each end (Euler-Maclaurin). A sample has the weight h / 2 in each of the
+/// two cells beside it. To cancel the error, this half of the sample moves by h / 6 into its cell, because h
+/// / 2 times h / 6 is h^2 / 12.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -78,8 +79,9 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // The sample at a corner stands for a quarter of each undivided quadtree cell around it. Its light in
-        // each cell is placed at the centre of the quarter.
+        // The sample at a corner represents the nearest quarter of each quadtree cell around it. In each
+        // cell, its light moves to the centre of this quarter, which is a quarter of the cell's width away
+        // along each axis.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -9,14 +9,15 @@
 
 namespace postlens {
 
-/// A subpixel position where a part of a sample is blurred, and the weight of this part. Units are
-/// 1/KernelKey::phase_steps px, from the pixel's upper left corner.
+/// A subpixel position at which a sample's blur kernel is added to the image, with its weight. x and y are in
+/// units of 1/KernelKey::phase_steps px, from the pixel's upper left corner.
 struct Phase {
     std::int32_t x, y;
     float weight;
 };
 
-/// The subpixel positions, at most four, among which a sample is divided before it is blurred.
+/// The subpixel positions, at most four, at which a sample's blur kernel is added to the image. There may be
+/// several, because kernels are computed only for some positions and a sample may lie between them.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;

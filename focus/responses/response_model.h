@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A blur kernel to be computed. Without aberrations, light through the lens point q, in lens radii, arrives
-/// at `map_px` times q from the kernel's centre.
+/// A blur kernel to be computed. `map_px` converts a lens point, in lens radii, to a position relative to the
+/// kernel's centre, in px. Light through this lens point arrives there if there are no aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -23,8 +23,8 @@ struct ResponseRequest {
     KernelReach reach;
 };
 
-/// Model of the blur of one lens setting. The base class is the fastest model, a round aperture, whose
-/// kernels are discs and ellipses.
+/// Model of the blur of one lens setting. The base class describes a round aperture, whose kernels are discs
+/// and ellipses. This is the fastest model.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -62,8 +62,8 @@ class ResponseModel {
     /// transmits no light.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// CoC radius, in px, from which kernels are computed for fewer subpixel positions. This saves time if
-    /// kernels are expensive.
+    /// Blur kernels of at least this radius, in px, are computed for fewer subpixel positions than usual.
+    /// This saves time if kernels are expensive to compute.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
@@ -72,8 +72,8 @@ class ResponseModel {
     /// Returns whether the model supports an anisotropic `map_px` (astigmatism). If not, surfaces in mirrors
     /// and glass are blurred by their mean CoC radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Computes the blur kernels for all requests, one per colour channel, in parallel. All requests must
-    /// have the same subpixel position `phase_px`.
+    /// Computes three blur kernels for each request, one per colour channel. Works in parallel. All requests
+    /// must have the same subpixel position `phase_px`.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
@@ -85,8 +85,8 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Creates the blur model of a lens or aperture. `half_diagonal_px` is half the diagonal of the image, in px
-/// of `geometry`. Throws the errors of read_aperture, also for a real lens.
+/// Creates the blur model of an aperture. `half_diagonal_px` is half the diagonal of the image, in the px of
+/// `geometry`. Throws Error(wrong_arguments) for a real lens, and the errors of read_aperture.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

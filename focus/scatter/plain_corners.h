@@ -1,5 +1,6 @@
-// Stores the most frequent samples compactly, as arrays of depth, r, g and b. These "plain corners" lie at
-// pixel corners between undivided pixels, and have no reflections or refractions.
+// Stores the most common kind of samples compactly, as arrays of depth, r, g and b. These samples have no
+// reflections or refractions. Each lies at a corner of four pixels that are not divided into smaller quadtree
+// cells.
 #pragma once
 
 #include <array>
@@ -22,8 +23,9 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Samples between undivided pixels, without reflections: one element per pixel corner, row by row. They have
-/// weight 1. Corners on the border of the raster are not stored here.
+/// Samples at corners of four pixels that are not divided into quadtree cells, if they have no reflections.
+/// The arrays have one element per pixel corner, row by row. All these samples have weight 1. Corners on the
+/// border of the raster are not stored here.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;
@@ -43,8 +45,8 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the samples that PlainCorners can store: those between undivided pixels, without reflections. `band`
-/// contains the records of `samples`. Reuses the memory of `out`.
+/// Finds the samples that PlainCorners can store: those at corners of four undivided pixels, if they have no
+/// reflections. `band` contains the records of `samples`. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -13,9 +13,9 @@ namespace postlens {
 /// Sums of the blurred samples in each pixel of a few rows: colour times kernel in channels 0 to 2, weight
 /// times kernel in channel 3.
 ///
-/// The uniform interior of a wide kernel is stored as differences between neighbouring pixels, which are
-/// summed along the row. Sums use double, because with float every bright sample would leave a rounding error
-/// to its right.
+/// In the interior of a wide kernel, all pixels of a row have the same value. Only the changes at the two
+/// ends of the interior are stored, and then summed along the row. The sums use double, because with float
+/// every bright sample would leave a rounding error to its right.
 class PointScatter {
   public:
     /// `channel` selects the blur kernels if each colour channel has its own.
@@ -25,8 +25,8 @@ class PointScatter {
     /// Adds the blurred light of all samples that reach the rows `rows` of the image.
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that the blur of any sample may reach, possibly empty. Outside it, sums are zero
-    /// and not stored.
+    /// The part of the rows passed to `run` that the blur of any sample may reach, possibly empty. The pixels
+    /// outside have the sum zero, which is not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
     /// Returns the sums of red, green, blue and weight of a pixel. Those of the next pixels of the row

@@ -1,5 +1,5 @@
-// Blurs runs of samples with SIMD. The samples of a run are adjacent, lie at pixel corners, and have the same
-// disc as blur kernel.
+// Blurs runs of samples with SIMD. A run consists of adjacent samples at pixel corners that all have the same
+// blur kernel, a disc.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@ namespace postlens {
 
 /// Sums of the blurred samples in each pixel of a block: colour times kernel, and weight times kernel.
 ///
-/// The kernels are discs around pixel corners, so they are symmetric. A row of samples is therefore convolved
-/// once for two rows of the image.
+/// The kernels are discs centred on pixel corners, so their upper and lower halves are alike. A row of
+/// samples is convolved with the lower half, and each result is added to two rows of the image.
 ///
-/// The uniform interior of a kernel is computed as a difference of running sums. These use double, so that a
-/// bright sample leaves no rounding error to its right.
+/// In the uniform interior of a kernel, the convolution is a difference of two running sums of the samples.
+/// The running sums use double, so that a bright sample leaves no rounding error to its right.
 class RunScatter {
   public:
     /// Number of columns of the image that are computed together.
@@ -27,8 +27,8 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Adds the blurred light of adjacent samples that have the same disc as kernel, within `block`, a part
-    /// of the image. Returns false if there are none.
+    /// Computes the sums for `block`, a part of the image, from all runs of adjacent samples with the same
+    /// disc as kernel. Returns false if no run reaches the block.
     bool run(const RasterWindow& block);
 
     /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to

@@ -29,8 +29,9 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel's colour: `weight`, the sum over its samples, plus the weight of empty
-/// space, which is 1 - `weight`, limited to the range from 0 to `most_nothing`.
+/// Returns the divisor of a pixel's colour. It is `weight`, the sum of the weights of its samples. If
+/// `weight` is below 1, empty space adds the missing weight, but at most `most_nothing`, so that the pixel
+/// becomes darker.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -53,8 +54,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Divides one colour channel by its sum of weights and stores it, if each channel has its own blur kernels.
-/// The sums in `points` must come from this channel's kernels.
+/// Divides one colour channel by its sum of weights and stores it in the image. Only used if each channel has
+/// its own blur kernels; `points` then contains the samples blurred by the kernels of this channel.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -73,8 +74,9 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Stores a few pixel rows: adds the sums of single samples and of runs (adjacent samples with the same
-/// disc), and divides by the weight. `runs` is null if there are none.
+/// Stores a few pixel rows in the image. Adds the samples that were blurred one by one (`points`) and the
+/// runs of adjacent samples that were blurred together (`runs`, may be null). Divides the colours by the sum
+/// of weights.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};

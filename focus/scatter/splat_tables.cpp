@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns how many adjacent samples must share a disc until blurring them together is faster than one by
-/// one. Together, the time grows with the disc's area; one by one, with its circumference.
+/// Returns from how many adjacent samples on it is faster to blur them together, if they have discs of the
+/// same radius. The time for blurring together grows with the disc's area, the time for blurring one by one
+/// with its circumference.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
@@ -38,8 +39,9 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// Adds the blur kernel of one surface point of a sample. Colour and weight include the sample's weight.
-    /// `weight` is 0 for reflections and refractions, so that a sample counts once.
+    /// Adds the blur kernel of one surface point that the sample `s` sees. Multiplies `rgb` and `weight` by
+    /// the weight of the sample. Reflections and refractions have `weight` 0, because the sample already
+    /// counts with its directly visible surface.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -80,8 +82,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC is that of a directly visible surface at a finite depth. In mirrors and glass, the CoC
-    // has no limit near a caustic.
+    // Only directly visible surfaces at a finite depth count for the largest CoC, because in mirrors and
+    // glass, the CoC has no limit near a caustic.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -128,7 +130,8 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // The signed CoC radius is linear in 1/z', so the nearest or the farthest sample has the largest.
+    // The signed CoC radius is linear in 1/z', so its absolute value is largest for the smallest or the
+    // largest 1/z'.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -344,8 +347,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again matter only through samples with a large blur, which were kept when the
-    // rows were first added.
+    // Begins with the samples that were kept in memory because of their large blur. Rows that are not added
+    // again reach this part of the image only with such samples.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

@@ -27,31 +27,32 @@ namespace postlens {
 /// `picture`. No blur kernel needs to be larger.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred. `weight` is 0 for reflected and refracted light, so that a sample counts only once
-/// in a pixel's sum of weights.
+/// A sample to be blurred, or light that it sees by reflection or refraction. Such light has `weight` 0, so
+/// that the sample counts only once in a pixel's sum of weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, with weight 1 and the same disc
-/// as blur kernel. Their colours are in SplatTables::raster_row.
+/// A run: adjacent samples with weight 1 that all have the same disc as blur kernel. They lie at pixel
+/// corners, in the columns [begin, end) of a row. Their colours are in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// Number of size classes of blur kernels. Each row's samples are sorted by class, so that distant blocks of
-/// pixels test only those with large kernels.
+/// Number of size classes of blur kernels. The samples of each row are sorted by class, so that a block of
+/// pixels far from the row tests only the samples with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Samples are sorted by the size of their blur kernels. Size class c is [class_begin[c], class_begin[c +
-    /// 1]) of `splats`; class_reach[c] is the range of pixels that its kernels cover.
+    /// `splats` is sorted by the size class of the blur kernels. Class c consists of the elements
+    /// [class_begin[c], class_begin[c + 1]). class_reach[c] is the range of pixels that their kernels cover,
+    /// relative to the sample.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
     int run_dy_begin = 0, run_dy_end = 0;
@@ -77,33 +78,35 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners. `band` must contain their samples and those of the
-    /// rows directly above and below, if any. Throws Error(invalid_input) if a pixel's quadtree is damaged.
+    /// Adds the samples in the rows [y_begin, y_end) of pixel corners. `band` must contain the records of
+    /// these rows and of the next row above and below them, if any. Throws Error(invalid_input) if a pixel's
+    /// quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
     /// Adds rows of pixel corners. If `rows` already contains the point samples (eye rays), they are not
     /// computed again.
     void add_rows(const FrameRows& rows);
-    /// Adds row y of another program's image. `lights` must be sorted by column; hidden samples are skipped.
-    /// Several threads may add different rows.
+    /// Adds row y of an image that another program made. `lights` are its samples, sorted by column; those
+    /// marked as hidden are skipped. Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Leaves pixels partly black where weights add up to less than 1. `most` is the largest fraction of each
-    /// pixel that may be empty, row by row.
+    /// Lets pixels stay partly black if their weights add up to less than 1, because a part of them is empty
+    /// space. `most` is the largest fraction of each pixel that may be empty, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
-    /// Prepares for an image that is computed in groups of rows. Call it before the first row is added. Rows
-    /// added before finish() only determine which blur kernels are needed.
+    /// Prepares for an image that is computed in strips (groups of rows). Call it before the first row is
+    /// added. Rows are then added twice: before finish(), only to find which blur kernels are needed, and
+    /// again for each strip.
     void survey() { keep_ = Keep::none; }
-    /// Starts a group of rows of the image, the window `part`. Returns the ranges of sample rows [begin, end)
-    /// to add again before finish_strip(). Its height must be a multiple of `block_px`. Call it after
-    /// finish().
+    /// Starts a strip: the part `part` of the image, whose height must be a multiple of `block_px`. Returns
+    /// the ranges [begin, end) of sample rows that must be added again. After that, call finish_strip(). Only
+    /// allowed after finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of samples whose blur reaches the rows of blocks [begin, end). Call it after the
-    /// first finish_strip(); an empty group of rows suffices.
+    /// Returns the number of samples whose blur reaches the blocks of image rows [begin, end). The samples
+    /// are counted in the first strip, so call it after the first finish_strip(). This strip may be empty.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -119,15 +122,16 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Range of pixel rows that the discs of adjacent samples cover, relative to the samples' row. It holds
-    /// for all rows.
+    /// The largest range of pixel rows that a run (adjacent samples with the same disc) is blurred over,
+    /// relative to the row of its samples.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns the largest empty fraction of each pixel of row y, or null if let_nothing_fill was not called.
+    /// Returns, for each pixel of row y, the largest fraction that may stay black because it is empty space.
+    /// Returns null if let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
@@ -137,7 +141,7 @@ class SplatTables {
     /// Returns the largest CoC diameter of directly visible surfaces at a finite depth, in px. It is not
     /// rounded to a depth level.
     [[nodiscard]] double largest_coc_px() const;
-    /// Returns how many different radii the discs have that blur the samples.
+    /// Returns how many different radii the samples' blur discs have.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Returns whether any sample has a negative colour. If not, negative pixel values are rounding errors.
     [[nodiscard]] bool any_negative() const { return any_negative_; }

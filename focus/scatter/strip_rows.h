@@ -1,4 +1,5 @@
-// Finds the rows of the file that must be read again for each strip (group of rows) of a large image.
+// Finds the rows of the sample file that must be read again for each strip (group of rows) of a large image,
+// because their samples are blurred into the strip.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +15,12 @@
 
 namespace postlens {
 
-/// Finds the rows of the file that must be read again for each strip (group of rows) of the image.
+/// Finds the rows of the sample file that must be read again for each strip (group of rows) of the image,
+/// because their samples are blurred into the strip.
 ///
-/// An `Item`, for example a sample to be blurred, belongs to a row of the file. The few items that are
-/// blurred over many rows are kept in memory, so that only rows close to a strip must be read.
+/// An `Item`, for example a sample to be blurred, belongs to a row of the file and reaches several rows of
+/// the image. The few items that reach many rows are kept in memory, so that only file rows close to a strip
+/// must be read.
 template <typename Item>
 class StripRows {
   public:
@@ -27,8 +30,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the file's rows; rows that were never added are read for every group of image
-    ///   rows
+    /// - `source`: window of the rows of the file; a row without a call of begin_row must be read for every
+    ///   strip
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -60,8 +63,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits memory: if too many samples with a large blur are kept, keeps only those whose blur reaches
-    /// farther. Call it after complete rows were added.
+    /// Limits the memory of the samples that are kept because of their large blur. If they need too much,
+    /// doubles the distance that the blur must reach, and removes the other samples. Call it after complete
+    /// rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -84,7 +88,7 @@ class StripRows {
     }
 
     /// Returns the ranges [begin, end) of sample rows that must be read to compute the pixel rows [first,
-    /// last). Includes short gaps, because this is faster than a new range.
+    /// last). Includes short gaps between them, because this is faster than another read.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -100,8 +104,8 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of samples that reach the rows of blocks [begin, end). Requires that all rows have
-    /// been added.
+    /// Returns the number of samples whose blur reaches the blocks of image rows [begin, end). Requires that
+    /// all rows have been added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -111,13 +115,15 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the samples of a row whose blur reaches far, in order. Only these are kept in memory.
+    /// Returns the samples of a row that are kept in memory, because their blur reaches more than far_px_
+    /// rows. They have the order in which they were added.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
 
   private:
-    /// Memory limit, in bytes, for the samples that are kept because their blur reaches far.
+    /// Memory limit, in bytes, for the samples that stay in memory for all strips, because their blur reaches
+    /// many rows.
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {
