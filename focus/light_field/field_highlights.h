@@ -59,7 +59,7 @@ class FieldHighlights {
     class OverViews;
     /// One of the square highlights that are merged into one light source.
     /// - `at`: centre of the square relative to the light source, in px
-    /// - `area_until`: total area of this square and the squares before it in the list, in px^2
+    /// - `area_until`: area of this square plus all earlier squares of the same light source, in px^2
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -91,8 +91,8 @@ class FieldHighlights {
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
     /// Neighbouring highlights whose blur reaches a tile (square of the image). `samples` is the number of
-    /// positions per pixel at which their visibility is computed exactly. If it is 0, the images seen from
-    /// the lens points decide.
+    /// positions per pixel at which their visibility is computed exactly. If it is 0, their visibility is
+    /// taken from the images that were drawn from single lens points.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

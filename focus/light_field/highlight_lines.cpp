@@ -156,9 +156,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // A ray has a lens point and a position in the pixel. One of them is chosen at random; the
-        // highlight's position then determines the other. If the blur is smaller than a pixel, the lens point
-        // is chosen, otherwise the position. Few rays then miss the pixel or the lens.
+        // A ray has a lens point and a position in the pixel. One of them is random, and the highlight's
+        // position determines the other. The lens point is random if the blur is smaller than a pixel,
+        // otherwise the position in the pixel. Few rays then miss the pixel or the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -21,9 +21,9 @@ namespace {
 /// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// Limits the time of the exact tests that find the hidden highlights in a tile (square of the image). They
-/// may take as long as drawing the tile from least_drawn lens points, or from all lens points of the image if
-/// there are more.
+/// Limits the time of the exact tests that find the hidden highlights in a tile (square of the image). The
+/// tests may take as long as drawing the tile from least_drawn lens points, or from all lens points of the
+/// image if there are more.
 constexpr std::size_t least_drawn = 64;
 /// One visibility test of a group of highlights is estimated to take at least this time. The unit is the time
 /// for drawing a whole tile (square of the image) from one lens point.
@@ -82,8 +82,8 @@ class FieldHighlights::OverViews final : public Lights {
         std::vector<std::uint32_t> all;
     };
     /// Finds the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the lens.
-    /// Lens points have different instants, so away2(i), the squared distance in time of lens point i, is
-    /// added to its squared distance on the lens.
+    /// Each lens point has its own instant, so its distance in time counts, too: away2(i) is the square of
+    /// this distance, and is added to the squared distance on the lens.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -239,7 +239,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     // Offset of the positions in the pixel at which visibility is tested. It differs between groups of
     // highlights, because otherwise all groups could miss the same small surface. It also differs between
-    // sets of lens points.
+    // sets of lens points, so that their errors are independent.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +

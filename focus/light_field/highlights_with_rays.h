@@ -13,7 +13,7 @@ namespace postlens {
 /// counted twice.
 ///
 /// A ray recognises only the surface that it hits. So either all bright light of a surface is spread by blur
-/// kernels, or none. None is if:
+/// kernels, or none. None is in these cases:
 /// - different rays see different radiance at a point of the surface (SightRays::steady is false)
 /// - the file lacks some of the surface's bright light
 /// - the light fills most of the area over which it is blurred, because images from many lens points then

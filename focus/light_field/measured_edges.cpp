@@ -29,8 +29,8 @@ constexpr std::size_t finest_rays = 64;
 /// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
 /// squares. All hits in one square are merged into one small highlight.
 constexpr int edge_squares = 8;
-/// Limit for the number of pixels in which rays measure highlights: this fraction of the pixels of all
-/// surfaces, but at least least_measured. If edges of highlights cross more pixels, rays measure no
+/// Limit for the number of pixels in which rays measure highlights: this fraction of the pixels that
+/// all surfaces cover, but at least least_measured. If edges of highlights cross more pixels, rays measure no
 /// highlights.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
@@ -94,8 +94,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
             // A highlight may extend from its sample almost to the next sample, which is one quadtree cell
-            // away. `light.area` is the quarter of a cell that belongs to the sample, so the cell is 2
-            // sqrt(light.area) wide.
+            // away. `light.area` is the quarter of a cell that belongs to the sample, so the width of the
+            // cell is twice the root of this area.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

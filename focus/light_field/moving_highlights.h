@@ -47,8 +47,8 @@ class HighlightMotion {
         double share = 1;  ///< share of the highlight's energy
     };
     /// Returns at how many instants a moving highlight is drawn: a power of two up to `most_moments`, or 1
-    /// without motion. From one instant to the next, its position and blur radius may change by half a pixel.
-    /// Highlights with a large blur may change by a quarter of their blur radius.
+    /// without motion. From one instant to the next, its position and blur radius may change by up to half a
+    /// pixel. Highlights with a large blur may change by up to a quarter of their blur radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` instants that are evenly spaced over the exposure. If `turned`,

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as too steep if its image from the rim of the lens is stretched by more than this
-/// fraction, compared with its image from the centre.
+/// A surface counts as too steep if its image from the rim of the lens is stretched or compressed by more
+/// than this fraction, compared with its image from the centre of the lens.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 

@@ -11,7 +11,7 @@
 namespace postlens {
 
 /// States for each cell (square of `edge` x `edge` px) of an image whether all lens points see the same
-/// single surface there. A surface that overlaps itself or is too steep does not count.
+/// single surface there. A surface that overlaps itself or is too steep does not count as a single surface.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;

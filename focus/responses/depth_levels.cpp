@@ -95,8 +95,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth up to half a step nearer than the first level or farther than the last uses that level. Depths
-    // beyond occur only in reflections and refractions, and have no level.
+    // A depth that lies up to half a step before the first level or after the last level uses this level.
+    // Depths even farther from the levels occur only in reflections and refractions, and have no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// The interior pixels of a kernel row all have the same value. If the row has at least this many, the value
-/// is stored once. Fewer values are stored pixel by pixel, which is as fast.
+/// The interior pixels of a kernel row all have the same value. If there are at least this many of them, the
+/// value is stored once. Fewer values are stored pixel by pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
 /// Radius, in px, of the disc that replaces a blur ellipse whose size is rounded to 0. Its kernel equals that

@@ -85,8 +85,9 @@ struct KernelKey {
 
     // The following members are only used if the aperture is not round or the blur kernel varies over the
     // image.
-    bool is_map =
-        false;  ///< whether half_height to map_yy are a 2x2 matrix (its columns, in units of step_px())
+    /// Whether the key contains a 2x2 matrix. The members from half_height to map_yy are then its columns, in
+    /// units of step_px().
+    bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
     std::int32_t cell_x = 0, cell_y = 0;  ///< cell of the image, counted from its centre

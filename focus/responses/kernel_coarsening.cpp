@@ -81,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Keys that become equal in one rounding step nearly always stay equal in the next ones, so only one
-        // of them takes part in the next steps. Sorting makes the choice independent of thread timing.
+        // Kernels whose keys become equal in one rounding step nearly always stay equal in the next steps, so
+        // only one of them takes part in these. Sorting makes the choice independent of thread timing.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

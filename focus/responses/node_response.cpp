@@ -37,14 +37,15 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
 }
 
 // For an aperture that is not round, sets the radius of the blur kernel. If the blur varies over the image,
-// each square of the image has its own kernel; then also sets the square that contains `place_px`.
+// each square of the image has its own kernel, so this function also sets the square that contains
+// `place_px`.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The blur kernel is computed for a rounded depth, which is that of `map_px`. The transmittance must be
+    // The blur kernel is computed for a rounded depth, from which `map_px` follows. The transmittance must be
     // computed for the same depth, because light would be lost if kernel and transmittance did not match.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -

@@ -68,7 +68,7 @@ class NodeResponses {
     /// fraction is 1.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Returns the fraction of the lens that transmits light to a pixel of the image (vignetting). The
-    /// division by the sum of weights removes this darkening from a pixel, so its colour must be multiplied
+    /// division by the sum of weights removes the vignetting from a pixel, so its colour must be multiplied
     /// by the fraction.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };

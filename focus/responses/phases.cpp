@@ -9,8 +9,9 @@
 namespace postlens {
 namespace {
 
-/// A sample on the border between pixels has a part in each of them. If its CoC radius is smaller than this,
-/// in px, each part is blurred at a position inside its pixel. Otherwise the sample is blurred as a whole.
+/// A sample on the border between pixels has one part in each of these pixels. If its CoC radius is smaller
+/// than this, in px, each part is blurred at a position inside its pixel. Otherwise the sample is blurred as
+/// a whole.
 constexpr double one_disc_from_px = 2;
 
 /// Blur kernels are only computed for some subpixel positions. Returns how many there are per pixel, along
@@ -25,8 +26,8 @@ int phases_per_px(double radius_px) {
 ///
 /// The trapezoidal rule integrates over a row of cells of width h, from samples at their corners. Its error
 /// is h^2 / 12 times the slope at each end (Euler-Maclaurin). A sample has the weight h / 2 in each of the
-/// two cells beside it. To cancel the error, this half of the sample moves by h / 6 into its cell, because h
-/// / 2 times h / 6 is h^2 / 12.
+/// two cells beside it. This half moves by h / 6 into its cell, which cancels the error: (h / 2) (h / 6) =
+/// h^2 / 12.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {

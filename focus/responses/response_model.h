@@ -73,7 +73,7 @@ class ResponseModel {
     /// and glass are blurred by their mean CoC radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
     /// Computes three blur kernels for each request, one per colour channel. Works in parallel. All requests
-    /// must have the same subpixel position `phase_px`.
+    /// must have the same subpixel position `phase_px`, because their kernels are computed together.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};

@@ -23,9 +23,9 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Samples at corners of four pixels that are not divided into quadtree cells, if they have no reflections.
-/// The arrays have one element per pixel corner, row by row. All these samples have weight 1. Corners on the
-/// border of the raster are not stored here.
+/// The samples that have no reflections and lie at corners of four pixels that are not divided into smaller
+/// cells. The arrays have one element per pixel corner, row by row. All these samples have weight 1. Corners
+/// on the border of the raster are not stored here.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;
@@ -45,8 +45,8 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the samples that PlainCorners can store: those at corners of four undivided pixels, if they have no
-/// reflections. `band` contains the records of `samples`. Reuses the memory of `out`.
+/// Finds the samples that PlainCorners can store: those that have no reflections and lie at corners of four
+/// undivided pixels. `band` contains the records of `samples`. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -90,8 +90,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the blurred weights of a row of samples to rows of the image. All samples have weight 1, so each
-/// pixel gets the sum of kernel row dy: dy rows below `down`, and dy rows above `up`.
+/// Adds the blurred weights of a row of samples to rows of the image. All samples have weight 1, so the
+/// pixels dy rows below `down` and dy rows above `up` get the sum of the values of kernel row dy.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

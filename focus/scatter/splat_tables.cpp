@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns from how many adjacent samples on it is faster to blur them together, if they have discs of the
-/// same radius. The time for blurring together grows with the disc's area, the time for blurring one by one
-/// with its circumference.
+/// Returns the number of adjacent samples from which on it is faster to blur them together than one by one,
+/// if their discs have the same radius. The time for blurring together grows with the disc's area, the time
+/// for blurring one by one with its circumference.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }

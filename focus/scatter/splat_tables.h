@@ -90,8 +90,8 @@ class SplatTables {
     /// Adds row y of an image that another program made. `lights` are its samples, sorted by column; those
     /// marked as hidden are skipped. Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets pixels stay partly black if their weights add up to less than 1, because a part of them is empty
-    /// space. `most` is the largest fraction of each pixel that may be empty, row by row.
+    /// Lets pixels stay partly black if their weights add up to less than 1: empty space ("nothing") fills
+    /// the rest. `most` is the largest fraction of each pixel that empty space may fill, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
@@ -100,13 +100,14 @@ class SplatTables {
     /// added. Rows are then added twice: before finish(), only to find which blur kernels are needed, and
     /// again for each strip.
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip: the part `part` of the image, whose height must be a multiple of `block_px`. Returns
-    /// the ranges [begin, end) of sample rows that must be added again. After that, call finish_strip(). Only
-    /// allowed after finish().
+    /// Starts the strip `part` of the image (group of rows). Its height must be a multiple of `block_px`.
+    /// Returns the ranges [begin, end) of sample rows that must be added again. After that, call
+    /// finish_strip(). Only allowed after finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of samples whose blur reaches the blocks of image rows [begin, end). The samples
-    /// are counted in the first strip, so call it after the first finish_strip(). This strip may be empty.
+    /// The image is divided into blocks of `block_px` rows. Returns the number of samples whose blur reaches
+    /// the blocks [begin, end). The samples are counted in the first strip, so call it after the first
+    /// finish_strip(). The first strip may be an empty window.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }

@@ -30,8 +30,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the rows of the file; a row without a call of begin_row must be read for every
-    ///   strip
+    /// - `source`: window of the rows of the file; a row for which begin_row was never called is read for
+    ///   every strip
     /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -64,8 +64,7 @@ class StripRows {
         }
     }
     /// Limits the memory of the samples that are kept because of their large blur. If they need too much,
-    /// doubles the distance that the blur must reach, and removes the other samples. Call it after complete
-    /// rows were added.
+    /// only those with an even larger blur are kept. Call it after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -104,8 +103,8 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of samples whose blur reaches the blocks of image rows [begin, end). Requires that
-    /// all rows have been added.
+    /// Returns the number of samples whose blur reaches the blocks [begin, end), each of `block_px` image
+    /// rows. Requires that all rows have been added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
