@@ -23,8 +23,8 @@ struct FieldBlurSettings {
     std::optional<Crop> crop;
 };
 
-/// Returns the directly visible surfaces of a file, one mesh per recorded instant. The colours seen in a
-/// mirror or glass move with its surface.
+/// Returns the directly visible surfaces of a file, one mesh per recorded instant. As a simplification,
+/// colours seen in a mirror or through glass move with the surface of the mirror or glass.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
@@ -34,27 +34,30 @@ struct FieldBlur {
     std::vector<double> instant_shares;
 };
 
-/// Bit of PatchPicture::touched. It marks pixels that show an object of `wanted_ids`, or where a view finds
-/// no recorded surface.
+/// Bit of PatchPicture::touched that marks pixels to redraw. It is set where an object of `wanted_ids` may
+/// change the pixel, and where a view (image at one instant) finds no recorded surface.
 inline constexpr std::uint8_t wanted_mark = 2;
 
-/// Blurs moving objects as the mean of many views. A view is an image at one instant, blended from the
-/// recorded instants before and after it.
+/// Blurs moving objects as the mean of many views. A view is the pinhole image at one instant, reprojected
+/// from the recorded instants before and after it.
 ///
-/// `ids` states how objects move. Only tiles over which objects of `wanted_ids` (sorted) pass are computed.
+/// `motion` maps image positions from one instant to another, and `ids` lists which objects move and how far.
+/// Only the image tiles that objects of `wanted_ids` (sorted) may change are computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Averages the views (reprojected images) of `field` in the tiles that overlap `crop`. Where nothing moves,
-/// `unknown` is 0.
+/// Draws the mean of the views (reprojected images) of `field`, in the image tiles that overlap `crop`. Sets
+/// `unknown`, the fraction of views without a recorded surface, to 0 in pixels that no moving object changes.
 ///
-/// `field` must have exactly one element in `sets`, and `class_marks` must not be empty.
+/// `field.sets` must have exactly one element. `field.class_marks` must not be empty, because it identifies
+/// the moving objects.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies the pixels of `seen` whose `touched` contains a bit of `marks` to `image`. Their unrecorded
-/// fraction (`unknown`) is filled with `behind`, which may be empty if there is none.
+/// Copies the pixels of `seen` whose flags `touched` contain a bit of `marks` to `image`. The fraction
+/// `unknown` of a pixel shows no recorded surface, and is filled with the colour of `behind`. `behind` may be
+/// empty if `unknown` is 0 everywhere.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

@@ -29,8 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted Crossing::most_mse, the error bound where groups cross. At this limit, the measured PSNR
-/// is at least 45 dB, because actual errors are much smaller.
+/// Largest accepted Crossing::most_mse, the error bound where two groups of moving objects pass over the same
+/// pixels. At this limit, the measured PSNR is at least 45 dB, because actual errors are much smaller than
+/// the bound.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -48,8 +49,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // The methods lightfield and auto blend the static pixels of all recorded instants, because shadows
-        // and lights may move.
+        // Shadows and lights may move, so static surfaces can change too. The methods lightfield and auto
+        // therefore average the static pixels over all recorded instants.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -162,8 +163,9 @@ class MotionBlur {
         }
     }
 
-    // Returns true if the border of the recorded image cuts an object at the frame's instant. Convolution
-    // cannot show the missing part, but the light field finds it at other instants.
+    // Returns true if the border of the recorded image cuts off a part of the object at the frame's instant.
+    // Convolution cannot show this part, because it uses this instant only. The method lightfield can show
+    // it, if another recorded instant contains it.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
@@ -183,8 +185,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 pixel rows allows for the extent of the outermost samples (a quarter of a quadtree
-        // cell) and for rounding the path (half a raster cell).
+        // The margin of 2 pixel rows is needed for two reasons. The outermost samples extend by a quarter of
+        // a quadtree cell, and the motion path is rounded by up to half a raster cell.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -192,8 +194,9 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Groups the objects that convolution will blur, and finds the surfaces in their pixel rows. With
-    /// `automatic`, the light field method blurs groups for which depth slices are inaccurate.
+    /// Groups the objects that convolution will blur, and finds all surfaces in the pixel rows over which
+    /// they move. With `automatic`, groups for which depth slices are inaccurate are left to the method
+    /// lightfield.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -253,8 +256,8 @@ class MotionBlur {
         });
     }
 
-    /// Blurs all groups of objects by convolution. With `automatic`, the light field later redraws groups
-    /// whose crossing with other groups causes a large error.
+    /// Blurs all groups of moving objects by convolution. With `automatic`, the method lightfield later
+    /// redraws groups that pass over the same pixels as another group, if this causes a large error.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -284,8 +287,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so the background comes from the light field's images. They
-            // must cover the whole image, so that a crop does not change it.
+            // Moving objects cover every pixel, so there is no static background. The background is
+            // interpolated from the light field (the mean of many views) instead. The light field must then
+            // cover the whole image, because otherwise a crop would change the background.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -307,8 +311,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the background behind moving objects, interpolated from static pixels. If there are none,
-    // interpolates from the pixels in which the light field shows a recorded surface.
+    // Returns the background behind moving objects, interpolated from static pixels. If there are none, it is
+    // interpolated from the image `p` of the method lightfield, where at least one instant shows a recorded
+    // surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();

@@ -46,8 +46,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices that method convolve blurs
-    /// The path that convolution uses: its number of points, the number of knots of the spline fitted to it
-    /// (0 if none), and the error of the fit.
+    /// The motion path that convolution uses: its number of points, the number of knots of the spline fitted
+    /// to it (0 if none), and the error of this fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;

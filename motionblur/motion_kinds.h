@@ -22,15 +22,16 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges objects' bounding boxes to include the directly seen records of a band. `only` (sorted) selects
-/// the objects, or all if it is empty. Returns whether the band has any.
+/// Enlarges the bounding boxes of objects to include all directly visible samples in a band of pixel rows.
+/// `only` (sorted) selects the objects; if it is empty, all are selected. Returns whether the band contains a
+/// sample of a selected object.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Moves parallel to the film. Each point's displacement is proportional to its inverse depth, within
-    /// 0.25 px.
+    /// The object moves parallel to the film, with parallax: each point's displacement is proportional to its
+    /// inverse depth, within 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -40,11 +41,12 @@ struct IdMotion {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
     double path_px = 0;          ///< length of the longest path of a corner of the box; may be infinite
-    /// Largest difference, in px, between the displacements of a corner of the object's bounding box and of
-    /// its centre. Infinite if the box passes the camera.
+    /// How differently parts of the object move: largest difference, in px, between the displacements of a
+    /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of predicting the displacement of a bounding box's corner from its centre's, in
-    /// proportion to the inverse depth.
+    /// Largest error, in px, if the displacement of each corner of the bounding box is predicted as pure
+    /// parallax. The prediction is the centre's displacement times the corner's inverse depth, divided by the
+    /// mean inverse depth.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m
@@ -70,8 +72,8 @@ inline constexpr double translation_px = 0.25;
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 
-/// Returns the instants at which motions are compared: uniform steps of the exposure, and all `breaks_s` in
-/// it.
+/// Returns the instants at which motions are compared. These are uniform steps of the exposure, and all
+/// instants in it at which the velocity may change abruptly (`breaks_s`).
 [[nodiscard]] std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure);
 
 }  // namespace postlens

@@ -17,8 +17,9 @@ namespace {
 
 using glm::dvec3;
 
-// Instants at which shadows and lights are tested: the frame's time, and the ends of 17 equal steps of the
-// exposure. 17 is prime, to avoid the period of repeated motions.
+// Number of instants at which shadows and lights are tested: the frame's time, and 18 uniformly spaced
+// instants of the exposure. Between these lie 17 steps. 17 is prime, so that a repeating motion is not always
+// tested in the same phase.
 constexpr int shadow_instants = 1 + 18;
 constexpr int shadow_step_px = 4;
 
@@ -36,8 +37,9 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for each eye ray of a pixel, with the records of all surfaces it hits. Surfaces
-/// hidden from the pinhole (layers above 0) are left out.
+/// Calls tree(first, end) for each recorded eye ray of a pixel. The records [first, end) are the surfaces
+/// that this ray and its reflections and refractions hit. Surfaces hidden from the pinhole (layers above 0)
+/// are left out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -203,8 +205,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// The border of the recorded area may cut off part of an object. Returns whether `map`, the motion to
-/// another instant, moves this cut edge into the frame.
+/// The border of the recorded area may cut off a part of an object. Returns whether `map`, the motion to
+/// another instant, moves this cut into the frame, where the missing part would be visible.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -215,8 +217,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, an object that leaves the frame ends at its border. It counts as cut only if its
-        // cut side moves into the frame by more than this margin.
+        // The recorded area may end at the frame's border. Then every object that leaves the frame is cut
+        // there, so a cut only counts if the motion moves it into the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -334,8 +336,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // Skips the time t if none of the recorded instants used for it shows the object, because it is not
-        // visible then.
+        // The image at time t is made from the recorded instants before and after t. If neither shows the
+        // object, it is not visible at t, so t is skipped.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -354,8 +356,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // A moving camera moves every surface that the frame cuts, and each would cause a warning. For the
-        // light field, the warning "uncovered" reports what is missing.
+        // A moving camera moves every surface that the frame's border cuts, so each would cause the warning
+        // "overscan". For the method lightfield, the warning "uncovered" already reports the missing parts.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

@@ -25,8 +25,8 @@ class UnseenMotion {
     UnseenMotion(UnseenMotion&&) = delete;
     UnseenMotion& operator=(UnseenMotion&&) = delete;
 
-    /// Returns false if the motion cannot change shadows, reflections or shading. If true, add all rows of
-    /// the frame, and then get the warnings.
+    /// Returns false if the motion cannot change shadows, reflections or shading. If it can, call add() for
+    /// all pixel rows of the frame, and then warnings().
     [[nodiscard]] bool possible() const;
     /// Tests the surfaces recorded in pixel rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
@@ -37,21 +37,22 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" for pixels in which over 1 % of the light is unknown. A smaller share may be
-/// a tiny gap between quadtree leaves.
+/// Adds the warning "uncovered" if moving objects uncover unrecorded surfaces. A pixel counts if over 1 % of
+/// its light comes from such surfaces; a smaller share may be a tiny gap between quadtree leaves.
 ///
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts an object at any time of the exposure. It is whole if
-/// the records of the frame or of a neighbouring instant show all of it.
+/// Returns whether, at any time of the exposure, a part of an object is missing because the border of the
+/// recorded area cuts it off. The object counts as whole if the records of the frame, or of the recorded
+/// instant before or after this time, show all of it.
 ///
 /// `instants` contains bounding boxes at the usable instants, beginning with the frame's time.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts (`is_cut`).
-/// Objects that lightfield blurs are exempt if the camera moves.
+/// Adds the warning "overscan" for moving objects of which the border of the recorded area cuts off a part
+/// (`is_cut`). If the camera moves, objects blurred by the method lightfield are exempt.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

@@ -1,4 +1,5 @@
-// Determines the number of views of an exposure, and each view's instant and sample position.
+// Determines how many views (images at single instants) motion blur averages, and the instant and the sample
+// position of each view.
 #pragma once
 
 #include <array>
@@ -12,11 +13,12 @@
 
 namespace postlens {
 
-/// Largest number of sample positions in a pixel. Static surfaces are drawn once for each.
+/// Largest number of different sample positions within a pixel, for antialiasing. Static surfaces are drawn
+/// once for each of these positions.
 inline constexpr int most_places = 64;
 
-/// Automatic numbers of views M. They are prime, because a motion that repeats k times shows only M / gcd(M,
-/// k) phases.
+/// Automatic numbers M of views. If a motion repeats k times during the exposure, M views show only M /
+/// gcd(M, k) different phases of it. These are usually all M phases, because M is prime.
 inline constexpr std::array automatic_views{131, 257, 521};
 inline constexpr int most_views = 4096;  ///< largest number of instants (views) that a user may set
 
@@ -27,15 +29,16 @@ void check_views(const std::optional<int>& views);
 /// positions are far apart. `places` is their number, a power of 2.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Returns the automatic number of views for objects that move by up to `longest_px`: one view per 2 px, if
-/// possible. docs/motion.md states the error.
+/// Returns the automatic number of views for objects that move by up to `longest_px`: at least one view per 2
+/// px, but no more than 521 views. docs/motion.md states the error.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {
     glm::dvec2 place{0.5, 0.5};  ///< sample position in the pixel, px
     double time_s = 0;
 };
-/// Returns views at instants distributed like the shutter's transmission, each with its own sample position.
+/// Returns the views of an exposure. Their instants are distributed like the shutter's transmission, and
+/// their sample positions are distributed over the pixel.
 [[nodiscard]] std::vector<ShutterView> shutter_views(const ShutterCurve& curve, const Exposure& exposure,
                                                      int views);
 

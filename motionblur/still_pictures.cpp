@@ -30,7 +30,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The records of a pixel's corners are stored with it and its right, lower and lower right neighbours.
+// Each pixel stores the samples at its upper left corner and inside. The samples at its other corners are
+// stored with its right, lower, and lower right neighbours, so these are searched too.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

@@ -9,17 +9,17 @@
 
 namespace postlens {
 
-/// Marks each pixel that directly shows an object of `ids` (sorted), or whose neighbours to the right or
-/// below do. Bands that are not in memory get 0.
+/// Marks each pixel that directly shows an object of `ids` (sorted), or whose right, lower or lower right
+/// neighbour does. Pixels in bands of rows that are not in memory get 0.
 [[nodiscard]] std::vector<std::uint8_t> pixels_showing(const SampleHeader& header,
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces each pixel over which nothing moves by the mean of all recorded instants, because shadows and
-/// lights may change. `shares` are the weights of the instants.
+/// Replaces each pixel over which nothing moves (`touched` is 0) by the mean of the images at all recorded
+/// instants, because shadows and lights may change. `shares` are the weights of the instants.
 ///
-/// Instants at which a pixel shows an object of `elsewhere` (sorted ids, drawn separately) do not count
-/// there.
+/// `elsewhere` (sorted ids) are moving objects that are drawn separately. An instant does not contribute to a
+/// pixel in which it shows one of them.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

@@ -1,4 +1,5 @@
-// The input of a convolution: the nonzero parts of the object's image (i1) and of its path's image (i2).
+// The input of a convolution for motion blur: the image of a moving object (i1) and the blur kernel (i2). The
+// kernel is the object's motion path, drawn into a raster.
 #pragma once
 
 #include <vector>
@@ -26,7 +27,7 @@ struct ConvolutionTask {
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of the object's image, such that p[x] is the cell in column x.
+    /// Returns a pointer p to row y of `i1`, the image of the moving object. p[x] is the value in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

@@ -17,8 +17,8 @@ constexpr int vectors = tile / lanes;
 /// Number of products that are summed in single precision. It keeps the rounding error below 34 * 2^-24 of
 /// the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time for a run of equal weights, in multiples of the time for one cell. Shorter runs are processed cell by
-/// cell.
+/// Time for a run of equal weights in a row of the blur kernel, in multiples of the time for one weight. Runs
+/// of at most this length are processed weight by weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights count as equal. Rounding makes equal weights differ slightly.
 constexpr double equal_weights = 1e-9;
@@ -30,14 +30,14 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// A run of cells with equal weight: columns [begin, end) of a row of the path's raster.
+/// A run of equal weights in row y of the blur kernel (the rasterised motion path): columns [begin, end).
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// The path's raster as runs of equal weight, row by row. `cost` is the predicted time, in multiples of the
-/// time for one cell.
+/// The blur kernel (the rasterised motion path), divided into runs of equal weights along its rows. `cost` is
+/// the predicted time of the convolution, in multiples of the time for one weight.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -92,8 +92,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Time for transposing the object's image and the result, in multiples of the time for one cell of the
-    // path.
+    // Runs along columns require transposing the object's image and, at the end, the result. This takes as
+    // long as processing this number of weights of the blur kernel.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -117,13 +117,15 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One path cell's contribution: `weight` times the object's values at offset `at` from the output tile.
+/// One weight of the blur kernel. The result gets `weight` times the value of the object's image that lies at
+/// the memory offset `at` from the result's position.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// The contribution of a run of path cells: `weight` times a sum of consecutive object values. The sum is the
-/// difference of prefix sums at `high` and `low`.
+/// A run of equal weights of the blur kernel. The result gets `weight` times the sum of consecutive values of
+/// the object's image. The sum is the difference of the row's prefix sums at the memory offsets `high` and
+/// `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -132,7 +134,8 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, with the ranges of its cells and runs in Terms.
+/// A row of the blur kernel: the columns of its nonzero weights, and the index ranges of these weights in
+/// Terms::cells and Terms::runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -254,7 +257,8 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // Skips this row of the path if only zeros of the object would be read.
+            // Skips this row of the blur kernel if all values of the object's image that it would multiply
+            // are zero.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -317,8 +321,8 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of the object's cells that are read per cell of the path. Whole tiles are read, up to one tile
-    // beyond each row.
+    // Number of values of the object's image that are read for each weight of the blur kernel. Rows are read
+    // in whole tiles of 64 columns, so up to one tile more than the row is read.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

@@ -16,20 +16,23 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result, as `count` blocks of at most `length` cells. A block's transform has `size` cells.
+/// Divides one axis of the convolution's result into `count` blocks of at most `length` values. The FFT of a
+/// block has `size` points, including padding.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Ranges of cells along one axis: [s0, s1) of the object, [p0, p1) of the path, [o0, o1) of the result.
+/// Index ranges of a convolution along one axis: [s0, s1) of the object's image, [p0, p1) of the blur kernel
+/// (the rasterised motion path), and [o0, o1) of the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Returns the smallest transform size that gives correct result cells [x0, x1). The transform is periodic,
-/// and its copies must not overlap these cells.
+/// Returns the smallest FFT size for which the convolution's result is correct at the indices [x0, x1). An
+/// FFT convolution is periodic, so its repetitions must not overlap this range.
 int needed_size(const Axis& axis, int x0, int x1) {
-    // Only the object's cells [a, b) contribute to the result cells [x0, x1).
+    // The object's image covers the indices [s0, s1), and the blur kernel [p0, p1). Only the image's indices
+    // from a to b (excluded) contribute to the result in [x0, x1).
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -208,8 +211,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Transforms the image of the path. Its cell (i, j) is stored at (i, j) modulo the FFT's size, and its
-    /// weights include the FFT's normalisation.
+    /// Computes the FFT of the blur kernel (the rasterised motion path). The weight of cell (i, j) is stored
+    /// at (i, j) modulo the FFT's size, and is multiplied by the FFT's normalisation.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -222,8 +225,8 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Finds the columns of each row of the result that can be nonzero: those to which the path moves a
-    /// nonzero cell of the object.
+    /// Finds the columns of each row of the result that can be nonzero. A cell can be nonzero if a nonzero
+    /// weight of the blur kernel moves a nonzero cell of the object's image there.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -266,8 +269,9 @@ class FftConvolution {
         }
     }
 
-    /// Copies the object's cells that contribute to a block of the result, with indices modulo the FFT's
-    /// size. Returns true if no copied value is negative.
+    /// Copies a part of the object's image to `cells`, the input of the FFT: all cells that contribute to a
+    /// block of the result. Their indices are taken modulo the FFT's size. Returns true if no copied value is
+    /// negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;
@@ -280,7 +284,8 @@ class FftConvolution {
             const int begin = std::max(c.begin, block.x_begin - p.x_end + 1);
             const int end = std::min(c.end, block.x_end - p.x_begin);
             if (begin >= end) continue;
-            // Indices are modulo the FFT's size, and a row passes its end at most once.
+            // The copy starts at index `at` of the FFT's row. If it passes the end of this row, it continues
+            // at index 0.
             const std::size_t at = wrapped(begin - block.x_begin, x_.size);
             const std::size_t count = static_cast<std::size_t>(end - begin),
                               before = std::min(count, width_ - at);

@@ -5,7 +5,8 @@
 
 namespace postlens {
 
-/// Writes the result for the cells of `task.out` into `result`. These cells must be 0 before the call.
+/// Convolves the object's image with the blur kernel, and writes the window `task.out` of the result to
+/// `result`. This window must be 0 before the call.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

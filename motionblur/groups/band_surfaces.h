@@ -54,8 +54,8 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Finds the surfaces in the bands that contain rows [y_begin, y_end), which must be in memory. All other
-/// bands get an empty element.
+/// Finds the surfaces in the bands (32 pixel rows each) that contain rows [y_begin, y_end). The records of
+/// these bands must be in memory. The result has one element per band, which is empty for other bands.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

@@ -15,8 +15,9 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// The pixel's coverage by these static surfaces is covered / known. `known` is the weight of the samples
-    /// that record a surface at their depth or behind it.
+    /// The static surfaces between two moving groups cover the fraction covered / known of the pixel.
+    /// `covered` is the weight of the samples on these surfaces. `known` is the weight of the samples on any
+    /// surface at this depth or behind it.
     double covered = 0, known = 0;
 };
 
@@ -62,7 +63,8 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Fills background that is not recorded from the farthest static surfaces around it.
+    // Fills the parts of the background that are not recorded. Their colours are interpolated from the
+    // farthest static surfaces in the pixels around them.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -105,7 +107,8 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Depth interval of the static surface that was added last, or between.size() if there is none.
+        // Index in `between` of the last static surface that was added, or between.size() if none has been
+        // added yet.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
@@ -116,8 +119,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of groups of moving objects in front of the surface. `depths_` holds their inverse
-            // depths in descending order.
+            // Number of groups of moving objects that are nearer than the static surface s. `depths_` holds
+            // the inverse depths of the groups in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -176,16 +179,18 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Bounds the squared covariance of the nearer group's coverage and the farther group's light, summed over
-/// pixels. It is at most the product of both variances.
+/// Returns an upper bound of the squared error where one group of moving objects passes in front of another,
+/// summed over pixels. The error of a pixel is the covariance, over time, of the nearer group's coverage and
+/// the farther group's light. A squared covariance is at most the product of both variances.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // Bounds the squared error by the product of two variances: c (1 - c) of the nearer object's
-            // coverage c, and at most the coverage of the farther object.
+            // The squared error is at most the product of two variances over time. The variance of the nearer
+            // object's coverage is at most c (1 - c), where c is the mean coverage. The variance of the
+            // farther object's light is at most its mean coverage, for radiances up to 1.
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

@@ -12,8 +12,9 @@
 
 namespace postlens {
 
-/// The error where two moving groups cross. Compositing assumes that one group's coverage of a pixel is
-/// independent of the other's light, which is wrong if both change.
+/// The error where two groups of moving objects pass over the same pixels. A pixel is composited from the
+/// mean coverage and the mean light of each group during the exposure. This is wrong if the nearer group's
+/// coverage and the farther group's light are correlated in time.
 struct Crossing {
     std::size_t other = 0;  ///< index of the crossing group with the largest error
     /// Upper bound of the mean squared error over the pixels of the moving group, for radiances up to 1.
@@ -27,11 +28,11 @@ struct ConvolveBlur {
     std::vector<Crossing> crossings;    ///< one per group of moving objects
 };
 
-/// Blurs groups of objects that share a path. Each pixel is composited front to back, in the order of groups
-/// and of the static surfaces between them.
+/// Blurs groups of moving objects; all objects of a group have the same motion path. Each pixel is composited
+/// from front to back: the groups, and the static surfaces between them, in order of depth.
 ///
-/// `still` is the pinhole image, `groups` are sorted from near to far, and `across_per_px` is a pixel's size
-/// on the film (sample_surfaces.h).
+/// `still` is the pinhole image, and `groups` are sorted from near to far. `across_per_px` is the width of a
+/// pixel, as the function of this name in sample_surfaces.h returns it.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

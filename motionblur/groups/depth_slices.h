@@ -14,38 +14,45 @@ inline constexpr int most_slices = 64;
 /// Returns the number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Returns the error of drawing a group as one opaque surface: the area of gaps and overlaps between its
-/// parts, relative to its recorded area. Gaps below 0.5 px do not count.
+/// Returns the error of drawing a group of moving objects as one opaque surface. Parts at different depths
+/// move differently, so gaps and overlaps arise between them. The error is the area of these gaps and
+/// overlaps relative to the recorded area of the group. Gaps below 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction on the raster, and how far a group's path extends along it.
+/// A direction in the image, and the range over which a group of objects moves along it.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction to the path's farthest point, and the perpendicular one if the path leaves this line
-/// by over 1 px. Empty if the path does not move.
+/// Returns the direction from a group's recorded position to the farthest point of its motion path. If the
+/// path leaves this line by over 1 px, also returns the perpendicular direction. The result is empty if the
+/// group does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// How the projected area of a piece of surface changes along its path. Relative to the recorded area, it is
+/// How the projected area of a small piece of surface changes while it moves. Relative to the recorded area,
+/// it is
 ///
 ///     area + sum over the axes of rate * (path(t) . axis)
 ///
-/// This is exact for translations parallel to the film. A piece that shows its back is approximated, with the
-/// same integral.
+/// Here path(t) is the displacement at time t, in px, and the axes are the directions of axes_of. This is
+/// exact for translations parallel to the film, unless the piece turns its back to the camera. Then only the
+/// mean of its area is correct.
 struct Stretch {
     double area = 1;
-    /// For each axis of the path: G . axis / path_inverse_z, where G is the gradient of the surface's inverse
-    /// depth 1/z', per px.
+    /// Relative change of the area per px of displacement, for each axis of the motion path: G . axis /
+    /// path_inverse_z. G is the gradient of the surface's inverse depth 1/z' per px. path_inverse_z is the
+    /// inverse depth of the points that follow the path exactly.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice, linear in the displacement p along the path:
+/// Red, green, blue and coverage of a depth slice while the object is displaced by p. They are linear in p:
 ///
 ///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
+///
+/// The axes are the one or two directions along which the object moves (PathAxis).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -55,21 +62,23 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Divides a group of moving objects with parallax into slices of depth. `across_per_px` is a pixel's
-    /// width in the scene, in m (for a perspective camera, at 1 m).
+    /// Divides a group of moving objects with parallax into depth slices. `across_per_px` is the width, in m,
+    /// that a pixel covers in the scene. For a perspective camera, it is the width at a depth of 1 m.
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the factor that scales the object's path to the path of depth slice k.
+    /// Returns the length of depth slice k's motion path relative to the group's path. Nearer slices have
+    /// longer paths (parallax).
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Raster cells that the group of objects covers at the recorded instant, for all depth slices.
+    /// Raster cells that the moving objects cover at the recorded instant. All depth slices use this window.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// The quarter of a quadtree cell at one of its corners, in a sample's colour.
+    /// One quarter of a quadtree cell (a pixel or a part of it), in the colour of the sample at the nearest
+    /// corner.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

@@ -44,8 +44,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Overlapping parts of a moving object can have a total coverage above 1, which is scaled down to 1.
-    // Coverages up to `rounding` become 0.
+    // Overlapping parts of a moving object can have a total coverage above 1, which is scaled down to 1. A
+    // coverage of at most `rounding` becomes 0, because it may be a rounding error of a Fourier transform.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -57,8 +57,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // Displacements outside `reach`, in cells, move the object's image out of the frame, so these parts of
-    // the path are not drawn.
+    // Displacements outside `reach`, in raster cells, move the object out of the image. So parts of the
+    // motion path outside `reach` are not drawn into the blur kernel.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -81,8 +81,8 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // Rounding the path to raster cells shifts the image by up to half a cell, so its bounding box gets a
-    // margin of 1 px.
+    // The motion path is rounded to raster cells, which shifts the blurred object by up to half a cell. So
+    // its bounding box gets a margin of 1 px.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

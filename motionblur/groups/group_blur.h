@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// Lower coverage counts as 0: it may be a rounding error of a Fourier transform.
+/// A coverage up to this value counts as 0, because it may be a rounding error of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// A path is parallel to a raster axis if it leaves the axis by at most this, in px.
+/// A motion path counts as horizontal or vertical if it deviates from this direction by at most this, in px.
 constexpr double axis_px = 0.02;
 constexpr double long_path_px = 64;  ///< length, px, from which a path along an axis needs cells of only 1 px
 constexpr double short_path_px = 24;  ///< length, px, below which cells of 1/4 px are needed and affordable

@@ -21,15 +21,17 @@ struct GroupPicture {
     }
 };
 
-/// Returns a group's number of raster cells per px. Short or slanted paths need more.
+/// Returns the resolution, in raster cells per px, at which a group of moving objects is blurred. Short or
+/// slanted motion paths need a higher resolution, because they are rounded to whole cells.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
 /// Returns the window of the cells that may contain a group's records, clipped to `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The raster cells [x, x + n) x [y, y + n) under one quarter of a quadtree leaf. `share` is below 1 if the
-/// quarter is smaller than a cell.
+/// One quarter of a quadtree leaf (a pixel or a part of it), drawn into a raster of square cells. It covers
+/// the cells [x, x + n) x [y, y + n). If it is smaller than one cell, `share` is the fraction of the cell's
+/// area that it covers.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -37,12 +39,14 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// Returns the nearest surface of moving group g at a point sample, or nullptr.
+/// Returns the nearest recorded surface at a sample that belongs to an object of moving group g. Returns
+/// nullptr if there is none.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g. `surfaces`
-/// contains the group's nearest surface at each corner, or nullptr. `window` comes from group_window.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` at which objects of moving group g are
+/// recorded. surfaces[k] is their nearest surface at corner k of the leaf, or nullptr. `window` comes from
+/// group_window.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {

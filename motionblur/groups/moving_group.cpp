@@ -24,8 +24,9 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether two objects' centres move alike, within `alike_px` at all tested instants. With parallax,
-/// displacements are first scaled to the inverse depth `nearest` (1/m; 0 means no parallax).
+/// Returns whether the centres of two objects have the same displacement, within `alike_px`, at all tested
+/// instants. If `nearest` is not 0, displacements are first scaled to this inverse depth (1/m), because
+/// nearer points move farther (parallax).
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,

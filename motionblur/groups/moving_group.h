@@ -1,5 +1,5 @@
-// Finds groups of moving objects that share a path on the raster. Objects with parallax share it if points at
-// equal depth move alike.
+// Finds groups of moving objects that have the same motion path in the image. With parallax (near points move
+// farther than far ones), two objects form a group if their points at equal depth move alike.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the recorded samples, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points that move along `path`. With parallax, other points move in
-    /// proportion to their inverse depth.
+    /// Inverse depth, in 1/m, of the points whose displacement is `path`. With parallax, the displacements of
+    /// other points of the group are proportional to their inverse depths.
     double path_inverse_z = 0;
     bool has_parallax = false;
     /// The path on the screen: displacements from the recorded position, in px, linear in time between these
@@ -25,17 +25,19 @@ struct MovingGroup {
     double fit_error_px = 0;
 };
 
-/// Returns the largest displacement of the group from its recorded position, in px.
+/// Returns the largest displacement along the motion path of a group of objects, from their recorded
+/// position, in px.
 [[nodiscard]] double longest_way_px(const MovingGroup& group);
 /// Returns how much farther the group's nearest point moves than its farthest point, in px. It is 0 without
 /// parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups the moving objects whose displacements agree within 0.02 px, sorted from near to far. With
-/// parallax, objects must overlap in depth and agree after scaling to the same depth.
+/// Groups the moving objects whose displacements in the image agree within 0.02 px. Returns the groups from
+/// near to far. Objects with parallax form a group if they overlap in depth, and if their displacements agree
+/// once they are scaled to the same depth.
 ///
-/// With `fit_px`, splines replace paths within this tolerance (`fit_path`). Throws Error(wrong_arguments) for
-/// an object that passes the camera.
+/// With `fit_px`, a spline is fitted to each group's motion path within this tolerance, and replaces it
+/// (`fit_path`). Throws Error(wrong_arguments) for an object that passes the camera.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

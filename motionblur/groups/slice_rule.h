@@ -15,21 +15,24 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of passed_box (the area that the group passes) with a static surface in the group's
-/// range of depth. Compositing may order such surfaces wrongly, because a group has one depth.
+/// A group of moving objects passes over the area passed_box. Returns the fraction of this area in which a
+/// static surface lies within the group's range of depth. Compositing may order this surface wrongly, because
+/// it uses one depth for the whole group.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns why convolution would blur groups[g], which has parallax, worse than the light field, or an empty
-/// string:
+/// Decides whether groups[g], a group of moving objects with parallax, must be blurred by the method
+/// lightfield instead of by convolution in depth slices. Returns an empty string if convolution is accurate
+/// enough, and otherwise one of these reasons:
 /// - The parallax exceeds `most_parallax_px`.
-/// - Another object lies in the group's range of depth along its path.
-/// - Parts of the group leave gaps or overlap (torn_share).
+/// - Another object lies in the group's range of depth along its motion path.
+/// - Gaps or overlaps arise between parts of the group while it moves (torn_share).
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, in px. For more, `most_slices` depth slices would be too coarse.
+/// Largest accepted parallax, i.e. the difference between the displacements of a group's nearest and farthest
+/// points, in px. For larger differences, `most_slices` depth slices would be too coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

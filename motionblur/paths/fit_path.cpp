@@ -79,7 +79,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // Avoids rounding errors at the end of a cubic between only two points.
+    // A cubic between only two points must end at the second point. This removes the fit's rounding error.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -141,8 +141,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a path with `count` segments. Knots are dense where the given segments are
-/// short.
+/// Returns the knot times of a spline with `count` segments. Its knots are densest where the segments of an
+/// earlier fit, `segments`, are shortest.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -155,8 +155,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the knot times at the segments' ends. An abrupt change of velocity causes a short segment between
-/// two long ones, which becomes a single knot.
+/// Returns the times of the knots between the given segments. An abrupt change of velocity (a kink) shows as
+/// a short segment between two long ones. The knots at both ends of such a short segment are merged into one.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -213,8 +213,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Estimates the smallest possible number of spline segments: that of cubics that need not join, with
-    // twice the tolerance.
+    // Estimates the smallest number of segments that a spline can have. Counts the segments of a looser fit:
+    // its cubics need not join, and it has twice the tolerance.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

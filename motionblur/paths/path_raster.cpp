@@ -28,7 +28,7 @@ struct Piece {
     }
 };
 
-/// Follows a piece of the path from cell to cell along one axis.
+/// Follows a straight piece of a motion path along one axis, from one raster cell to the next.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -109,8 +109,8 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // An exposure of a single instant uses one point of the path: the first at or after it, or else the
-        // last.
+        // An exposure of a single instant uses one point of the motion path: the first point at or after this
+        // instant. If there is none, it uses the last point.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -219,9 +219,9 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path crosses this cell between the fractions `before` and `at` of a straight piece. The
-            // value in the middle weights the light, which is exact for constant transmittance of the
-            // shutter.
+            // The motion path crosses this cell between the fractions `before` and `at` of a straight piece.
+            // The light of this time is multiplied by `value`, which is interpolated for the middle of the
+            // crossing. This is exact if the shutter's transmittance is constant.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

@@ -1,5 +1,6 @@
-// The image of a path over the exposure (i2 in [potmesil1983]). Each cell contains the fraction of the light
-// that arrives while the path is in it.
+// Draws a moving object's path into a raster, as the blur kernel for its motion blur (i2 in [potmesil1983]).
+// Each cell contains the fraction of the exposure's light that arrives while the object's displacement lies
+// in the cell.
 #pragma once
 
 #include <optional>

@@ -11,7 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Points per segment in the first round of least squares. Later rounds add each segment's worst point.
+/// Number of data points per spline segment in the first least-squares fit. Later fits add each segment's
+/// point with the largest error.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 

@@ -11,10 +11,12 @@ namespace postlens {
 /// Returns the largest distance, in px, between the path and the points at the times of the points.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Minimises a Bezier path's largest distance from the points, beginning with at least 2 knots at `times_s`.
-/// Stops when the distance is at most `tolerance_px` or no longer decreases.
+/// Fits a Bezier path to the points so that its largest distance from them becomes small. Begins with at
+/// least 2 knots, at `times_s`. Stops when the largest distance is at most `tolerance_px` or no longer
+/// decreases.
 ///
-/// Larger distances count by their fourth power, so that the largest dominate.
+/// The fit minimises a sum over the points. Distances above the tolerance count by their fourth power, so
+/// that the largest distance dominates the sum.
 [[nodiscard]] std::vector<PathKnot> refine_path(std::span<const PathPoint> points,
                                                 const std::vector<double>& times_s, double tolerance_px);
 

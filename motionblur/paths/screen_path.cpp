@@ -78,10 +78,11 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// Instants at which a piece is tested, as fractions of its duration. They are not symmetric, so a motion that
-// turns back halfway is detected.
+// Instants at which a piece of constant velocity is compared with the motion that it approximates, as
+// fractions of the piece's duration. They are not symmetric, so a motion that turns back halfway is detected.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Fraction of the tolerance that the tests allow, because the error between the test instants can be larger.
+// Fraction of the tolerance that is accepted at the tested instants of a piece, because the error between
+// these instants can be larger.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -113,8 +114,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // The error of a chord over a time step h is at most c h^2 / 8, with the curve's largest second
-    // derivative c. A cubic has it at one of its ends.
+    // A chord over a time step h deviates from the curve by at most c h^2 / 8, where c is the largest second
+    // derivative. The second derivative of a cubic is linear, so its largest value is at one of the ends.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;

@@ -15,7 +15,8 @@ inline constexpr std::size_t most_knots = 100'000;
 /// Largest absolute values in a path: coordinates of knots and handles, in px, and times.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the points that `flatten` returns. Beyond it, the error exceeds the tolerance.
+/// Approximate limit of the number of points that `flatten` returns. If its tolerance requires more points,
+/// the error exceeds the tolerance.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
@@ -52,8 +53,8 @@ class ScreenPath {
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
-    /// Returns the knots with their Bezier handles: 0 for a polyline, and those of the equivalent Bezier
-    /// curve for catmull_rom.
+    /// Returns the knots of the path with their Bezier handles. For a catmull_rom path, these are the handles
+    /// of the equivalent Bezier curve. For a polyline, they are 0.
     [[nodiscard]] std::span<const PathKnot> knot_list() const { return knots_; }
     [[nodiscard]] PathKind kind() const { return kind_; }
 
@@ -62,11 +63,11 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// Approximates a function of time by pieces of constant velocity. `breaks_s` contains, in increasing order,
-/// the instants at which the velocity may change abruptly.
+/// Approximates the position `at`, a function of time, by pieces of constant velocity. `breaks_s` contains,
+/// in increasing order, the instants at which the velocity may change abruptly.
 ///
-/// Pieces are halved, at most 20 times, until they agree with `at` at five instants. There are at least 16
-/// pieces. `at` must return finite positions.
+/// There are at least 16 pieces. Each is halved, at most 20 times, until its error at five instants is below
+/// `tolerance_px`. `at` must return finite positions.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

@@ -14,7 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of static pixels from which the background of moving pixels is interpolated.
+/// If at least this fraction of the pixels is static, the background behind moving pixels is interpolated
+/// from the static pixels.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,8 +30,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, and overlap of neighbouring patches (planar parts of the image).
-/// The overlap is too small to reach samples of neighbouring pixels.
+/// `exact_px` is the largest error of a reprojected position. Patches (planar parts of the image) are drawn
+/// larger by `overlap_px`, to prevent cracks between them. This is too small to reach the samples of
+/// neighbouring pixels.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -74,8 +76,9 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns the background for gaps where no view shows a surface, interpolated from static pixels (`weight`
-/// 1). Without weights, it is the mean of the views.
+/// Returns the background for gaps in which no view shows a surface, interpolated from static pixels
+/// (`weight` 1). If `weight` is empty, it is interpolated from the mean image of the views instead, wherever
+/// a view shows a surface.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -111,8 +114,9 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // If too few pixels are static, the background comes from the images at single instants. They must
-        // cover the whole image, so that a crop does not change it.
+        // If too few pixels are static, the background behind moving surfaces is interpolated from the mean
+        // image of the views. The views must then cover the whole image, because otherwise a crop would
+        // change the background.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

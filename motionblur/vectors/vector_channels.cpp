@@ -24,8 +24,9 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // The channels (Z, W) point from the next frame back to this one, with W
-                                // upwards. Negating Z gives the motion to the right and down.
+                                // The channels (Z, W) of Blender's Vector pass contain this frame's position
+                                // minus the next frame's, with W upwards. So -Z is the motion to the right,
+                                // and W is the motion down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});

@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest number of pixels in the data and display windows together. Each pixel has four vertices, counted
-/// in 32 bits.
+/// Largest accepted number of pixels in the file's data and display windows together. Each pixel becomes four
+/// mesh vertices, which are counted in 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -128,7 +128,8 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the value of --layer that selects the colours of a channel group, or nothing if it has none.
+    /// Returns the value of the option --layer that selects the colours of a channel group. Returns nothing
+    /// if no value selects them.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];

@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Bytes needed for the surfaces made from one stored pixel. Twice as much must be available, because
-        // growing arrays reserve more than they use.
+        // Bytes needed for the mesh of one stored pixel. The call of require_memory doubles this, because
+        // growing arrays reserve more memory than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,7 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds one black square of pixels, which all squares without stored pixels share.
+    /// Adds one black square of pixels. All squares of the image without stored pixels share it, because
+    /// pixels that the file does not store are black.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -187,7 +188,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // Adds in a fixed order, so that all pixels at this corner get bit-identical sums.
+        // Adds the velocities in a fixed order, so that all pixels that share this corner get bit-identical
+        // means.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;
