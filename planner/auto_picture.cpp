@@ -24,8 +24,9 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// After the target error is reached, more views narrow its 95 % interval. The number of views grows at most
-/// by this factor (`most_narrowing_of_noise` without rays).
+/// When the target error is reached, more views are drawn to narrow the error's 95 % confidence interval.
+/// This multiplies the number of views at most by this factor. Without rays, the factor is
+/// `most_narrowing_of_noise`.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -75,8 +76,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the error of the recorded data is least accurately known. The other tiles add
-/// at most `most_variance` to the variance of the image's error.
+/// Selects the tiles in which the measured error of the recorded colours is least certain. The other tiles
+/// together add at most `most_variance` to the variance of the image's measured error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -84,8 +85,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles in which rays, instead of the lens's point spread function, should show the highlights.
-/// In the others, highlights cause at most a quarter of the target error `most_mse`.
+/// Selects the tiles in which highlights must be traced by rays, because spreading them by the lens's point
+/// spread function causes a measurable error. The highlights of all other tiles cause at most a quarter of
+/// the target error `most_mse`.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -100,8 +102,9 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Plans the next number of views (images from different lens points) of each tile, to narrow the 95 %
-/// interval of the error. All views together have at most `most_samples` pixels.
+/// Doubles the number of views (images from different lens points) in some tiles, to narrow the 95 %
+/// confidence interval of the image's error. Returns the new number of views of each tile. All views together
+/// have at most `most_samples` pixels.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -120,8 +123,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // Aims for a narrower confidence interval than wanted, because the next estimate may differ from the
-    // expected one.
+    // Aims for a narrower confidence interval than wanted, because the next measurement may give a wider
+    // interval than planned.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -143,14 +146,14 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes an image by the method `layers`, which is later blended with the views. Returns nothing if this
-/// would take longer than the first views. Measured times:
-/// - per record: 0.4 to 0.7 us
-/// - per addition to a pixel (layer_sums): 0.05 to 0.3 us
-/// - per pixel of a view: 0.1 to 0.4 us
+/// Makes the image by the method `layers`. Later, each tile blends it with the mean of its views (reprojected
+/// images). Returns nothing if this would take longer than drawing the first 16 views. Measured times:
+/// - `layers`, per record: 0.4 to 0.7 us
+/// - `layers`, per addition to a pixel (layer_sums): 0.05 to 0.3 us
+/// - view, per pixel: 0.1 to 0.4 us
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Time that the method `layers` takes per surface sample and per addition to a pixel, as multiples of the
-    // time for one reprojected pixel. Measured.
+    // Measured time of the method `layers` per recorded surface sample, and per addition to a pixel. The unit
+    // is the time for reprojecting one pixel of a view.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -239,8 +242,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
-            // More lens points do not reduce errors of the sample file. If these exceed a quarter of the
-            // target error, rays replace all samples in the worst tiles.
+            // More lens points do not reduce errors of the recorded colours. If these errors exceed a quarter
+            // of the target error, rays replace all recorded colours in the tiles with the largest errors.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -254,8 +257,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More lens points do not reduce the error of highlights. If it exceeds twice the target, noise
-            // of a quarter of it suffices; `doubled_for` halves its argument.
+            // More lens points do not reduce the error of highlights. If this error is more than twice the
+            // target, it suffices that the noise falls to a quarter of this error. So doubled_for gets half
+            // of this error, because it allows noise of half its argument.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

@@ -15,8 +15,9 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, from sRGB values, 10 to 80 dB; by default default_target_db. If set,
-    /// and no scene is given, a warning reports that AutoResult::bound_mse misses it.
+    /// Wanted PSNR of the sRGB values of the whole image, from 10 to 80 dB. If empty, default_target_db is
+    /// used. If set without a scene, a warning appears when the upper bound of the error,
+    /// AutoResult::bound_mse, is larger than the target allows.
     std::optional<double> target_db;
 };
 
@@ -24,8 +25,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured squared error of the tile's sRGB values, mean over pixels and channels. Errors that the
-    /// sample file causes do not count.
+    /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels. It is relative
+    /// to an image with infinitely many views of the same sample file, so errors of the file do not count.
     double noise_mse = 0;
 };
 
@@ -38,10 +39,10 @@ struct AutoResult {
     /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
     /// determine. Set only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene, when the error is not measured:
-    /// - `noise_mse`: measured noise due to the number of lens points
-    /// - `bound_mse`: upper bound of the error due to this noise and to pixels that the sample file does not
-    ///   determine
+    /// Set only without a scene, because the error can then not be measured by rays:
+    /// - `noise_mse`: measured noise due to the finite number of lens points
+    /// - `bound_mse`: upper bound of the error due to this noise and to uncertain samples: those at edges,
+    ///   and those without a recorded surface
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

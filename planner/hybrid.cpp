@@ -32,8 +32,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter`, divided by the time to draw one view (image from one lens point). Where
-/// `scatter` is exact, it replaces the views if they would take longer.
+/// Time of the method `scatter` relative to the time for one view (image from one lens point). In pixels
+/// where `scatter` is exact, it is used instead of views if these would take longer.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -86,8 +86,9 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should show the highlights: their error when spread by the lens's point
-/// spread function exceeds its own standard error and the noise of rays.
+/// Returns 1 for tiles in which rays should trace the highlights. In these tiles, spreading them by the
+/// lens's point spread function causes an error that exceeds two limits: its own standard error, and the
+/// noise that rays would have.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -99,8 +100,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from recorded colours and rays. Rays replace all recorded colours in tiles where these
-/// cause large errors, until the error is small compared with the noise.
+/// Makes the image from recorded colours and rays. Measures the error of the recorded colours. If it is not
+/// small compared with the noise, rays replace all recorded colours in the tiles with the largest errors.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

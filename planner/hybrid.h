@@ -1,5 +1,6 @@
-// Makes an image as the mean of a given number of views (images from different lens points). Rays replace
-// colours that the records do not determine.
+// Makes an image as the mean of a given number of views (images from different lens points), which are
+// reprojected from recorded samples. Rays replace uncertain samples: those at edges, and those without a
+// recorded surface.
 #pragma once
 
 #include <memory>
@@ -19,23 +20,24 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the exposure. If `shutter` is set, the image is averaged over lens points and instants
-    /// everywhere, and the method `scatter` is not used.
+    /// Motion of the scene during the exposure `shutter`. With a shutter, every pixel is averaged over lens
+    /// points and instants, so the method `scatter` is not used.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects the lens points from which a pixel is also traced by rays, to compare rays and samples
-    /// (FieldViews::checked). Only used with a scene. HybridResult::stated then stays empty.
+    /// Selects the lens points from which rays are also traced for a pixel, to compare their colours with the
+    /// recorded samples (FieldViews::checked). Only used with a scene. The measured error,
+    /// HybridResult::stated, then stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Fraction of the pixels of the image or crop that the method `scatter` computed. Set only without a
-    /// scene.
+    /// Fraction of the pixels of the image or crop that the method `scatter` computed. It is 0 with a scene,
+    /// because `scatter` is not used then.
     double scattered_share = 0;
     /// Fraction of the pixels of the image or crop that need a new trace, because light is missing or
     /// reprojected to wrong positions. Set only without a scene.
@@ -44,8 +46,8 @@ struct HybridResult {
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
     /// Set only with a scene, for each pixel of the whole image:
-    /// - `traced`: fraction of lens points for which a ray replaces the sample
-    /// - `checks`: comparisons of rays with samples of the file
+    /// - `traced`: fraction of the lens points whose sample comes from a traced ray instead of the file
+    /// - `checks`: differences in colour between traced rays and samples of the file
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was computed: 0 as a mean over lens points, 1 by the method

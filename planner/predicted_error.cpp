@@ -14,8 +14,9 @@
 namespace postlens {
 namespace {
 
-/// The estimate draws at least `least_views` views (images from different lens points), in sets numbered from
-/// `first_set` on. The image itself uses smaller numbers, so its error is independent.
+/// The error is estimated from at least `least_views` separate views (images from different lens points).
+/// Their sets of lens points are numbered from `first_set` on. The image itself uses sets with smaller
+/// numbers, so its error is independent of these views.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

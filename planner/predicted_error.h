@@ -8,11 +8,12 @@
 
 namespace postlens {
 
-/// Squared errors of an image tile's sRGB values. All are means over pixels and channels.
+/// Estimated squared errors of an image tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
-    /// Squared error relative to a light field with infinitely many lens points, from the same sample file.
+    /// Squared difference from a light field with infinitely many lens points, made from the same sample
+    /// file.
     double method_mse = 0;
-    double bound_mse = 0;  ///< bound of the error caused by view samples that the records do not determine
+    double bound_mse = 0;  ///< upper bound of the error due to samples at edges or without a record
 };
 
 struct PredictedError {
@@ -34,10 +35,10 @@ struct PredictedError {
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
 /// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is its
-/// number of views (images from different lens points), or 0 if its method draws none.
+/// number of views (images from different lens points), or 0 if its method has no views.
 ///
-/// At least 64 other views are drawn. They form two independent images a and b. The expectation of (image -
-/// a)(image - b) is then the squared error of `image`.
+/// Draws at least 64 more views, from other lens points, which form two independent images a and b. The mean
+/// of (image - a)(image - b) over pixels then estimates the squared error of `image`.
 ///
 /// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
 /// threads.

@@ -12,8 +12,9 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is blended into a tile. It minimises the estimated squared
-/// error plus `price` times the variance of this estimate.
+/// Returns the weight with which another image of the scene is blended into a tile. The weight minimises the
+/// estimated squared error plus `price` times the variance of this estimate. So a higher `price` leads to
+/// errors that are known better.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -87,7 +88,8 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // Ignores the error of the sample file, because it does not depend on the weights of the two images.
+    // Leaves out the error of the sample file, because it is the same for any weights with which the views
+    // and the other image are blended.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -95,8 +97,8 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // `price` states how much the variance of the error counts when weights are chosen. It is 0 in the first
-    // step, small in the second, and then doubles.
+    // Each step chooses the weights that minimise the error plus `price` times the variance of its estimate.
+    // `price` is 0 in the first step, small in the second, and then doubles in each step.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

@@ -24,41 +24,41 @@ struct TileMix {
 /// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
-/// The measured error of an image. Squared errors are means over pixels and channels, of sRGB values clamped
-/// to [0, 1].
+/// The measured error of an image, by cause. Squared errors are means over pixels and channels, of sRGB
+/// values clamped to [0, 1].
 struct StatedError {
-    double views_mse = 0;       ///< error of the views (noise) and of the image that is mixed with them
-    double bias_mse = 0;        ///< error of the records
-    double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
-    double variance = 0;        ///< variance of the estimate `mse()`
+    double views_mse = 0;              ///< noise of the views, or error of their blend with another image
+    double bias_mse = 0;               ///< error of the records
+    double highlights_mse = 0;         ///< the part of `bias_mse` that highlights cause
+    double variance = 0;               ///< variance of the estimate `mse()`
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return views_mse + bias_mse; }
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Returns the width of the 95 % interval of this error, in dB. The overload is for an error `mse` whose
-    /// estimate has the given variance.
+    /// Returns the width, in dB, of the 95 % confidence interval of the image's error. The static overload
+    /// gets another squared error, `mse`, and the variance of its estimate.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
 /// Returns the error of an image, as measured from two halves of its views (`measured`). With `mix` (one
-/// element per tile), another image is blended in. The 95 % interval assumes that the logarithm of the error
-/// is normally distributed.
+/// element per tile), the mean of the views is blended with another image. The 95 % interval assumes that the
+/// logarithm of the error is normally distributed.
 ///
 /// If the other image has the weight w, a tile has this squared error:
 ///
 ///     (1 - w)^2 noise + w^2 e^2 + bias
 ///
-/// Here e is the difference between the other image and the mean of infinitely many views. bias is the error
-/// of the recorded data.
+/// Here `noise` is the squared noise of the mean of the views. e is the difference between the other image
+/// and the mean of infinitely many views. `bias` is the squared error of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Chooses, for each tile, the weight with which another image is blended with the views. First tries the
-/// weights with the smallest estimated error, then weights with larger but better known errors, until the 95
-/// % interval is at most wanted_interval_db wide. If none is, chooses those with the smallest
-/// StatedError::high_mse.
+/// weights with the smallest estimated error. While the 95 % confidence interval of the error is wider than
+/// wanted_interval_db, tries weights whose errors are larger but known better. If the interval always stays
+/// too wide, chooses the weights with the smallest StatedError::high_mse.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -14,8 +14,8 @@ namespace postlens {
 /// A random straight edge divides a unit square. The fraction of the four corners on one side estimates the
 /// area of this side, with this mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
-/// An edge parallel to a side divides a unit square. The fraction of the four corners on one side of the edge
-/// estimates the area of this side, with this mean squared error.
+/// Mean squared error of an estimated area. An edge parallel to a side divides a unit square. The area on one
+/// side of the edge is estimated by the fraction of the four corners that lie there.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the
@@ -28,27 +28,30 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// How an edge divides the four corners of a square cell:
+    /// How an edge separates the four corners of a square cell:
     /// - `none`: there is no edge
-    /// - `upright`, `level`: two adjacent corners from the other two, so it may be parallel to a side
-    /// - `slanted`: one corner from three, or two opposite corners from the other two
+    /// - `upright`, `level`: it separates two adjacent corners from the other two, so it may be parallel to a
+    ///   side
+    /// - `slanted`: it separates one corner from the other three, or two opposite corners from the other two
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
     double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
-    /// Largest and smallest scene-linear value of the cell's corners, in the channel of the brightest value.
+    /// Largest and smallest scene-linear value of the cell's corners. Both are values of the same colour
+    /// channel, the one with the largest value.
     double high = 0, low = 0;
 };
 
-/// Estimates the error of the light that the lens spreads from bright quadtree cells (radiance above 1) over
-/// other pixels. PixelEdges does not count this error.
+/// Estimates the error that bright quadtree cells (radiance above 1) cause in all pixels over which the lens
+/// spreads their light. PixelEdges does not include this error.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` scales the variance of
-    /// the cells' light: 1/8 predicts the error with cells of half the width.
+    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` multiplies the variance
+    /// of the cells' estimated light. With 1/8, the result is the error for cells of half the width: an edge
+    /// crosses twice as many of them, with 1/16 of the variance each.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -34,12 +34,12 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Adds the image's lens and shutter to the settings of a new trace, which then records the hidden surfaces
-/// and instants that they reveal.
+/// Adds the image's lens and shutter to the settings of a new trace. The trace then also records the hidden
+/// surfaces that this lens sees, and instants of this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // In a trace, the f-number is relative to the film distance instead of the focal length. Converts it
-        // for the same aperture diameter.
+        // In a trace, the f-number is the film distance, instead of the focal length, divided by the
+        // aperture's diameter. The image's f-number is converted so that the diameter stays the same.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

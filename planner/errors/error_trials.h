@@ -13,18 +13,18 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Whether this trial alone shows the cause of a pixel's error that it corrects. Later trials remove
-    /// several limits at once, so they cannot show a single cause.
+    /// If true, and if this trial corrects a pixel, later trials are not considered for this pixel. They
+    /// change several settings at once, so they could not show a single cause of its error.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the scene of a sample file again, in several trials with better settings. Each trial removes the
-/// cause of error of this name:
-/// - frame_edge: the overscan suffices for the lens and the shutter
+/// Traces the scene of a sample file again, in several trials with better settings. The name of a trial is
+/// the cause of error that it removes:
+/// - frame_edge: enough pixels are traced around the image (overscan) for the lens and the shutter
 /// - hidden_surface: all hidden surfaces are recorded and, with a shutter, enough instants
-/// - record_density: one more level of subdivision (3 to 6 in all), complete shading trees, and a search for
-///   narrow objects
+/// - record_density: one more level of subdivision (3 to 6 in all), more reflections and refractions, and a
+///   search for narrow objects
 ///
 /// The file must have been traced from `scene`. Throws the errors of tracing and of field_focus.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,

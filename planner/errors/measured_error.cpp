@@ -21,8 +21,8 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared errors of sRGB values, summed over pixels. `a` and `b` are the images from two independent halves
-/// of the views.
+/// Squared errors of sRGB values, summed over pixels. `a` and `b` are the images of two independent halves of
+/// the views, and `other` is another image of the same scene.
 /// - `noise`: squared noise of the mean of `a` and `b`
 /// - `products`: squared error of `other`, as (other - a)(other - b); it is unbiased, because the noise of
 ///   `a` and `b` is independent
@@ -40,19 +40,20 @@ struct Differences {
     }
 };
 
-/// Differences between rays and the image in one pixel, per channel, in sRGB values. `a` and `b` come from
-/// two independent halves of the views (images from different lens points).
+/// Differences between the colours of traced rays and the image in one pixel, per channel, in sRGB values.
+/// `a` and `b` are measured in two independent halves of the views (images from different lens points).
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Estimates the squared error of a pixel, as a mean over channels, by the product of the differences (ray
-/// minus image) that two independent halves of the views show.
+/// Estimates the squared error of a pixel, as a mean over channels. `a` and `b` are differences (ray minus
+/// image) in two independent halves of the views. So noise does not bias their product.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean differences between rays and recorded colours in a pixel. The slope of the sRGB curve
-/// converts them to sRGB values: noise does not bias a linear conversion.
+/// Returns the mean differences between rays and recorded colours in a pixel. They are multiplied by the
+/// slope of the sRGB curve to get differences of sRGB values. This conversion is linear, so noise does not
+/// bias it.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -132,8 +133,9 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the errors (ray minus record) that two independent halves of the views show. Its variance
-/// is at least that of independent errors, because rare large errors may occur in only one half.
+/// Mean product of two errors (ray minus record) of a pixel, measured in two independent halves of the views.
+/// If a rare large error occurs in only one half, the product is too small to show it. So the variance is set
+/// to at least that of independent errors.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -273,7 +275,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
                                      const std::vector<int>& views) {
     std::vector<double> out(grid.count(), 0);
     if (a.light_square.empty()) return out;
-    // Variance of the highlights' light between single rays of a pixel, in the brightest channel.
+    // Variance of the light that single rays of a pixel get from highlights, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
         const float mean = *std::ranges::max_element(half.highlight_checks[k].light);
         return half.light_square[k] - mean * mean;
@@ -284,8 +286,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean of both halves. Each has n stratified rays, whose mean at the
-            // outline of a light source has n^(-5/4) times the variance of one ray [mitchell1996].
+            // Standard deviation of the mean over all rays of a pixel. Each half of the views has n
+            // stratified rays, half of `views`. At the outline of a light source, their mean has n^(-5/4)
+            // times the variance of one ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

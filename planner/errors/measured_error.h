@@ -1,5 +1,5 @@
 // Measures the error of an image. The difference between two independent halves of its views shows the noise.
-// Rays that check single pixels show the error of the recorded data.
+// Rays through some pixels show the error of the recorded colours, which more views do not reduce.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,13 @@
 
 namespace postlens {
 
-/// Squared errors of a tile's sRGB values, clamped to [0, 1]. All are means over pixels and channels.
+/// Measured errors of an image tile, by cause. All are squared errors of sRGB values clamped to [0, 1], as
+/// means over pixels and channels.
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
     /// Estimated squared difference between the image `other` (see measured_error) and a light field with
-    /// infinitely many lens points. It may be negative.
+    /// infinitely many lens points. The estimate may be negative, because it is noisy.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -29,8 +30,10 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error if another image is mixed in with the weight w. The
-    /// estimate is wrong by (1 - 2 w) A + 2 w B, where A has the variance `of_noise` and B `of_product`.
+    /// Returns the variance of the estimated error if another image is blended in with the weight w. The
+    /// estimate is wrong by (1 - 2 w) A + 2 w B. A is the error of `noise_mse` and has the variance
+    /// `of_noise`. B is the mean product of the noise and the other image's difference, and has the variance
+    /// `of_product`.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -38,8 +41,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Squared error that the sample file causes in the image, measured by random rays. The estimate may be
-    /// negative.
+    /// Squared error of the image due to inaccurate or missing colours in the sample file. It is measured by
+    /// comparing random rays with the file. The estimate may be negative, because it is noisy.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -58,8 +61,9 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Returns 1 for the tiles with the largest values, and 0 for the others, whose sum is at most `most`.
-/// `value(tile, share)` returns the value of a tile that covers the fraction `share` of the image.
+/// Selects the tiles with the largest values: returns 1 for them and 0 for all other tiles. The values of the
+/// other tiles have a sum of at most `most`. `value(tile, share)` returns the value of a tile that covers the
+/// fraction `share` of the image.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -80,17 +84,17 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise, in sRGB values, that each tile's highlights would have if `views` rays per
-/// pixel showed them. `a` and `b` are independent halves of the image's views.
+/// Estimates how noisy the highlights of each tile would be if they were traced, with `views` rays per pixel.
+/// Returns the squared noise of the sRGB values. `a` and `b` are independent halves of the image's views.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles in which rays should replace all recorded colours, because these cause too large an
-/// error (TileError::bias_mse).
+/// Returns 1 for tiles in which rays should replace all recorded colours, because the error of these colours
+/// (TileError::bias_mse) is too large.
 ///
-/// The tiles with the largest errors are selected, until the others add at most `most_mse` to the mean of the
-/// image. Tiles are also selected if their error exceeds the noise of the views, twice its own standard
-/// error, and `fine_mse`.
+/// The tiles with the largest errors are selected, until all other tiles together add at most `most_mse` to
+/// the mean error of the image. Another tile is selected if its error exceeds each of three limits: the noise
+/// of its views, twice the error's own standard error, and `fine_mse`.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -1,5 +1,5 @@
-// The record floor: the error of an image that the spacing of its recorded samples causes. The samples show
-// the position of an edge only to within a quadtree cell.
+// The record floor: the error that remains in an image with any number of views, because the recorded samples
+// are too far apart. They show which quadtree cells an edge crosses, but not where in a cell.
 #pragma once
 
 #include <span>
@@ -13,17 +13,18 @@
 namespace postlens {
 
 /// Returns the factor by which the lens's blur reduces the squared error of an edge whose position is
-/// inexact. It is the number of pixels in the circle of confusion, because their errors are independent.
-/// Along an edge that is `aligned` with the quadtree cells, errors are equal. The factor is then the number
-/// of pixels across the circle.
+/// inexact. The blur averages the errors of all pixels in the circle of confusion. If these errors are
+/// independent, the factor is the number of these pixels. Along an edge `aligned` with the quadtree cells,
+/// the errors are equal, so the factor is only the number of pixels across the circle.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Some edges pass unseen between the corners of a quadtree cell. This factor, a fit, converts the error of
-/// edges that the corners show to the error of all edges.
+/// An edge that crosses a quadtree cell without separating its corners is not visible in the samples. This
+/// factor converts the error of the visible edges to that of all edges. It was fitted to measured errors.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value, as a mean over channels, due to edges that are
-/// known only to within a quadtree cell. The lens's blur reduces this error.
+/// Estimates the squared error of each pixel's sRGB value, as a mean over channels, due to inexact positions
+/// of edges. The samples show which quadtree cells an edge crosses, but not where in a cell. The lens's blur
+/// reduces this error.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);

@@ -13,8 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Number of views (images from different lens points) that measure how many of a pixel's samples the records
-/// do not determine. With 16 views, their fraction is accurate to a few hundredths.
+/// Number of views (images from different lens points) that measure which fraction of a pixel's samples is
+/// uncertain, i.e. at an edge or where no surface is recorded. With 16 views, the fraction is accurate to a
+/// few hundredths.
 constexpr int views_that_tell = 16;
 
 /// Smallest and largest value of each colour channel near a pixel. They are stored for squares of 8 x 8 px,
@@ -35,7 +36,8 @@ class Ranges {
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }
-    /// Returns the difference between the largest and the smallest value of a colour channel near a pixel.
+    /// Returns the difference between the largest and the smallest value of a colour channel, within about
+    /// `radius_px` of a pixel.
     [[nodiscard]] float span(int x, int y, std::size_t channel) const {
         const Bounds& b = ranges_[at(x / square, y / square)][channel];
         return b.high - b.low;

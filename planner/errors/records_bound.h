@@ -15,16 +15,16 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Upper bound of each pixel's error if no rays are traced. With a crop, only the values within the crop are
-/// valid.
+/// Upper bound of each pixel's error if no rays are traced. The error is due to unsure samples, i.e. at an
+/// edge or where no surface is recorded. With a crop, only the values within the crop are valid.
 struct RecordsBound {
-    std::vector<float> unsure;  ///< share of view samples that the records do not determine
+    std::vector<float> unsure;  ///< share of the unsure samples
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
 };
 
-/// Returns an upper bound of each pixel's error due to unsure samples, i.e. colours of single views (images
-/// from one lens point) that the records do not determine. `image` is scene-linear. `lens.scene` and the
-/// number of views are ignored. Throws the errors of hybrid_picture.
+/// Returns an upper bound of each pixel's error due to unsure samples. A sample is a pixel of one view (image
+/// from one lens point). It is unsure at an edge, or where no surface is recorded. `image` is scene-linear.
+/// `lens.scene` and the number of views are ignored. Throws the errors of hybrid_picture.
 ///
 /// The bound assumes that the radiance of an unsure sample occurs in the pinhole image within the largest
 /// circle of confusion. It also assumes that all unsure samples of a pixel are too bright, or all too dark.

@@ -14,8 +14,8 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
-    // Smallest number of pixels that rays check. The errors that single rays find vary widely, but the mean
-    // of 8000 is accurate enough.
+    // Smallest number of pixels whose error is measured by rays. Errors of single pixels vary widely, but the
+    // mean over 8000 pixels is accurate enough.
     constexpr std::int64_t enough_pixels = 8000;
     const std::int64_t pixels = std::int64_t{width} * height;
     columns_ = pixels < 16 * enough_pixels ? 2 : 4;
@@ -42,8 +42,9 @@ double CheckedPixels::aimed(int x, int y, int views) const {
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Selects `chosen` pixels of a block, beginning with the one that states the error. All ranks differ,
-    // because `step` and the number of pixels are coprime.
+    // Gives each pixel of the block a different rank, and selects the `chosen` pixels with the lowest ranks.
+    // Rank 0 is the pixel from which the image's error is stated. Ranks differ because `step` and the number
+    // of pixels are coprime.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;
@@ -56,7 +57,8 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
     const int checked = random_rays_ ? std::max(4, count / 4) : 2;
-    // Checks consecutive lens points, because they are well distributed over the lens.
+    // Rays check the views of consecutive lens points, beginning with a random one. Consecutive lens points
+    // are well distributed over the lens.
     for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
                                                  static_cast<std::uint64_t>(count)));

@@ -16,15 +16,15 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// Size of the image, in px. Set `random_rays` if rays return random radiances, for example because a
-    /// light has an extent.
+    /// `width` and `height` are the size of the image, in px. Set `random_rays` if the colours of rays are
+    /// noisy, for example because they sample random points of an area light.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the lens points from which pixel (x, y) is compared with a ray, out of [first, first + count)
-    /// of a set, as indices relative to `first`.
+    /// Selects lens points from which pixel (x, y) is compared with a traced ray, out of the points [first,
+    /// first + count) of a set. Appends their indices, relative to `first`, to `out`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Returns the probability with which the highlights of pixel (x, y) are selected to be checked by rays,
-    /// or 0 if they are not. It increases with `views`.
+    /// If pixel (x, y) is selected, rays measure the error of its highlights. Returns the probability of this
+    /// selection, or 0 if the pixel is not selected. The probability increases with `views`.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

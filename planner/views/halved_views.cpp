@@ -16,9 +16,9 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of different sets of lens points, which small squares of the image share. The square in column c
-/// and row r uses set (c + scrambles_down * r) modulo `scrambles`. Squares with equal sets are at least 8
-/// squares apart.
+/// Number of different sets of lens points. The image is divided into small squares (4 to 64 px wide), each
+/// of which uses one set. The square in column c and row r uses set (c + scrambles_down * r) modulo
+/// `scrambles`. Squares with equal sets are at least 8 squares apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Blends `count` values of `to`, from index `begin` on, with those of `from`, which get the weight `share`.
@@ -66,8 +66,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Key: a range [first, end) of lens points that some squares of the image still need. Value: the
-        // numbers of the lens point sets that these squares use.
+        // Key: a range [first, end) of lens points that must still be drawn for some squares of the image.
+        // Value: the indices of the sets from which these squares take their lens points.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

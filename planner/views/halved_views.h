@@ -17,19 +17,21 @@
 
 namespace postlens {
 
-/// Averages the views of an image (reprojections to different lens points) in several steps, with a number of
-/// views for each tile. With a scene, rays replace colours that the records do not determine.
+/// Makes an image as the mean of views (reprojections to different lens points), in two independent halves.
+/// Each tile has its own number of views, to which more can be added. With a scene, rays replace uncertain
+/// samples: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` of `settings` are ignored. The image uses up to 127 sets of lens
-    /// points, with numbers from `first_set` on. Throws the errors of hybrid_picture.
+    /// `focus.views` and `focus.method` of `settings` are ignored. Squares of the image use up to 122
+    /// different sets of lens points, so that their noise is independent. The sets are numbered from
+    /// `first_set` on. Throws the errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Adds lens points, in two halves, until each tile of `grid()` has `views[tile]`. Half 0 may have one
-    /// more. The result is bit-identical for any number of threads.
+    /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
+    /// halves; half 0 may have one view more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// From now on, rays replace all samples in the tiles whose entry in `tiles` is not 0, and highlights if
-    /// `what` says so. Returns whether a tile was redrawn.
+    /// From now on, rays replace all samples of views in the tiles whose entry in `tiles` is not 0. `what`
+    /// states whether rays also replace the highlights there. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -37,11 +39,12 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// Returns the mean over the lens points of half 0 or 1, as far as drawn.
+    /// Returns half 0 or 1 of the image: the mean of the views of this half that have been drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean over all lens points so far. Its `checks` contain sums over both halves.
+    /// Returns the image: the mean of all views drawn so far. Its `checks` (comparisons of rays with recorded
+    /// colours) are sums over both halves of the views.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -63,8 +66,9 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views, with the number of rays, and the fraction of the samples within `crop` that
-/// rays replaced. `stated` (the measured error) stays empty.
+/// Returns the image as the mean of all views. Also returns the number of rays, and the fraction of the
+/// samples within `crop` for which they were traced. The result contains no measured error: `stated` stays
+/// empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -18,13 +18,14 @@ namespace postlens {
 /// Throws Error(wrong_arguments), naming `method` or `--scene`, if an image cannot be made by averaging
 /// images from single lens points:
 /// - the file is orthographic
-/// - the framing differs from that of the trace
+/// - the field of view differs from that of the trace (`framing` is not `keep`)
 /// - the blur is not a mean over lens points (`diffraction`, `lens:`)
 /// - the crop exceeds the image
 /// - the scene's exposure differs from the file's
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
-/// Returns the settings of the light field: lens, shutter and crop, without rays.
+/// Returns the settings with which a light field is made: lens, shutter and crop. Rays are not set, so all
+/// colours come from the sample file.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
 /// Returns the settings with which the ray tracer (`render`) makes the same image. Throws the errors of

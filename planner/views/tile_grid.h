@@ -39,8 +39,9 @@ struct TileGrid {
     }
 };
 
-/// Returns the edge, in px, of small image squares (pieces) with their own lens points, so that their errors
-/// are independent. Estimating the noise needs at least 2000 of them.
+/// Returns the width, in px, of the small squares (pieces) into which an image is divided. Each piece has its
+/// own lens points, so that the errors of pieces are independent. At least 2000 pieces are needed to estimate
+/// the noise.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
