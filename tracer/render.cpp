@@ -57,8 +57,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // Hashes the seed of each half of the samples, so that renders with neighbouring --seed share no
-            // half.
+            // With --halves, the samples form two independent halves, each with its own seed. The seeds are
+            // hashed, so that renders with neighbouring --seed values have no half in common.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -68,16 +68,17 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks of a pixel's samples, and the number of groups in each block.
-    /// A group is up to 16 samples of one pixel that are traced together.
+    /// The samples of a pixel are traced in groups of up to 16. Whole groups form blocks, which several runs
+    /// can share (--share).
+    /// Returns the number of blocks per pixel, and the number of groups in each block.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks [begin, end) of every pixel's samples that this run renders. With --share, these are not
-    /// all.
+    /// The samples of every pixel are divided into blocks. This run renders the blocks [begin, end). With
+    /// --share, other runs render the other blocks.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -169,8 +170,9 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // Sums each block of samples from 0, and then adds it to the total.
-            // A run with --share sums its blocks in the same order, so its result is bit-identical.
+            // The samples of a block are summed from 0, and then the block's sum is added to the total.
+            // A run with --share stores the sum of each block, and the sums are added later in the same
+            // order. So the result is bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

@@ -48,15 +48,15 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// The part of the image to render, bit-identical to the complete image. Tiles of 8 px outside it stay
-    /// black. A resumed run may use another crop.
+    /// If set, only this part of the image is rendered, with the same bits as in the complete image. Tiles of
+    /// 8 x 8 px that lie outside it stay black. A resumed run may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
     /// Text that marks each written file as one part of a render, to be merged (pictures/picture_part.h).
     /// If empty, the files are ordinary images.
     std::string part_mark;
     /// If {i, n}: divides the samples of every pixel into n parts and renders part i, counted from 0.
-    /// Each written file then holds both halves of the samples.
+    /// With `halves`, the file of this part holds the sums of both independent halves of the samples.
     std::optional<std::array<int, 2>> sample_share;
 };
 

@@ -24,8 +24,9 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Width, px, of a margin around the traced window in which depth edges are searched.
-// A lens may see past these edges. Edges farther out would affect only the window's border.
+// Width, px, of a margin around the traced window in which depth edges are also searched, because a lens may
+// see surfaces in the window past them.
+// An edge farther out would reveal only surfaces close to the window's border.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -181,8 +182,9 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants between the recorded instants before and after `at_s`, at which motion is examined.
-// Images at these instants are made from the records of `at_s`.
+// Images at instants close to the recorded instant `at_s` are made from its records. To find what must be
+// recorded for them, motion is examined at the returned instants. They lie between the recorded instants
+// before and after `at_s`.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
@@ -197,8 +199,8 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // Inverse depths: one float per pixel, and a pyramid of minima and maxima,
-    // with two floats per square and 4/3 squares per pixel.
+    // Inverse depths: one float per pixel, and a pyramid of their minima and maxima in squares of 1, 2 x 2, 4
+    // x 4, ... pixels. The pyramid has 4/3 squares per pixel, with two floats each.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -307,8 +309,9 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The file's header describes this camera. The traced scene is translated so that the camera is at the
-    // origin.
+    // The file's header describes the camera as it is placed in the scene. The traced copy of the scene is
+    // translated so that the camera is at the origin, because float coordinates are less accurate far from
+    // it.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -354,8 +357,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods blur motion from the frame's own instant alone, so its overscan must suffice for the whole
-    // shutter.
+    // Some methods blur motion with the records of only the frame's own instant. So these records must
+    // contain all surfaces outside the image that enter it at any time of the shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

@@ -28,22 +28,29 @@ struct TraceSettings {
     /// Value of `subdivision.levels` for methods that trace further rays where the samples are too coarse.
     /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// Largest turn, degrees, of an object relative to the camera between recorded instants, if `keys` is
-    /// absent. At 15 degrees, 0.9 % of a turning ball's radius (1 - cos 7.5 degrees) is recorded at neither
-    /// instant.
+    /// Between two recorded instants, a turning object shows parts that neither instant records. If `keys` is
+    /// absent, instants are recorded so often that no object turns by more than this angle, degrees, relative
+    /// to the camera, from one to the next.
+    /// At 15 degrees, the unrecorded part of a turning ball is 0.9 % of its radius wide (1 - cos 7.5
+    /// degrees).
     double degrees_per_key = 15;
-    /// Value of `degrees_per_key`, the turn between recorded instants, for methods that also trace rays.
+    /// Value of `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. It
+    /// may be larger, because rays replace what is not recorded.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, dB, of light that changes between two recorded instants, if `keys` is absent.
-    /// 43 dB is half of the squared error that 40 dB, the default of --method auto, allows.
+    /// The default target of --method auto is 40 dB for the whole image. At 43 dB, changing light causes only
+    /// half of the squared error that 40 dB allows.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays. 12 dB less allows four times the RMS error.
-    /// The error grows with the square of the interval, so half as many instants suffice.
+    /// Value of `light_db`, the target PSNR of changing light, for methods that also trace rays. It is 12 dB
+    /// lower, so four times the RMS error is allowed.
+    /// This error grows with the square of the time between recorded instants, so half as many instants
+    /// suffice.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Value of `narrow_strip_px` for methods that also trace rays.
-    /// Their rays replace the samples at edges of objects, half a pixel to a pixel on each side.
+    /// Value of `narrow_strip_px` for methods that also trace rays. Narrower strips of hidden surfaces need
+    /// not be recorded, because these methods trace rays at the edges of objects, half a pixel to a pixel on
+    /// each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets its `lens_radius_m` for the f-number `for_f_number`, or else the camera's, or else
@@ -60,8 +67,9 @@ struct TraceSettings {
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
-    /// Number of evenly spaced recorded instants of `for_shutter`, 1 to 64. With 1, only the frame's own is
-    /// recorded. If absent, it is chosen from the motion and the changing light.
+    /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64. With 1, only the frame's
+    /// own instant, `time_s`, is recorded. If absent, the number is chosen from the motion and the changing
+    /// light.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, to write to the file (tracer/exposure.h). If absent, none is written.
     std::optional<double> auto_exposure_stops;
@@ -78,14 +86,15 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that rays may miss, because they are narrower than the smallest cells or too many.
+    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or all
+    /// narrow objects together need too many cells.
     /// Without subdivision, counts all objects narrower than 1.5 px.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Set if `keys` was chosen from the scene. `keys_reason` explains the number.
-    /// `keys_sweep_degrees` is the angle by which an object or the camera turns.
+    /// Set only if the number of recorded instants, `keys`, was chosen automatically. `keys_sweep_degrees` is
+    /// the angle by which an object or the camera turns. `keys_reason` says why this number was chosen.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

@@ -49,7 +49,8 @@ class LensCamera {
     /// Adds 16 rays with unit directions to the batch.
     /// If the lens may block light (`loses_rays`), appends each ray's transmittance to `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Returns true if the lens may block some light. Otherwise, add_rays leaves `weights` unchanged.
+    /// Returns true if the lens may block some light. If false, every ray has full weight, and add_rays does
+    /// not change `weights`.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.
@@ -60,8 +61,9 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees the point at distance `t`, m, on a lens
-    /// ray. The ray for (x, y) starts at `unit`, in lens radii. Not for cameras with a lens prescription.
+    /// The ray for image position (x, y) starts at the lens point `unit`, given in lens radii. Returns the
+    /// raster position, px, at which a pinhole sees the point of this ray at distance `t`, m. Not for cameras
+    /// with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x
@@ -88,8 +90,8 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray for raster position (x, y) from the lens point `unit`, in lens radii.
-    /// Returns false if the aperture blocks it.
+    /// Computes the ray for raster position (x, y) that starts at the lens point `unit`, given in lens radii.
+    /// Returns false if the aperture blocks this ray.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,

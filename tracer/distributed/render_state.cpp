@@ -30,10 +30,12 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel in the file of an unfinished render:
+// Returns the number of 32-bit words that the file of an unfinished render stores per pixel:
 // - 3 for the mean colour (RGB)
-// - for each half of the samples: 1 for the number of samples and 6 for each sum of radiance (three doubles)
-// A half has one sum per block of samples, and one more for an unfinished block if `with_open` is true.
+// - 1 for the number of samples in each half of the samples
+// - 6 for each sum of radiance (RGB, 64-bit doubles)
+// Each half has one sum per block of samples. If `with_open` is true, it has another sum, for the block that
+// is still unfinished.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,8 +45,10 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the OpenEXR channels for an unfinished render: one for each 32-bit word of a pixel.
-/// Each channel points to its word of the first pixel, or is null if `words` is null.
+/// Returns the OpenEXR channels of an unfinished render. There is one channel for each 32-bit word of a
+/// pixel.
+/// Each channel points to the first pixel's value in `words`. If `words` is null, the channels point to
+/// nothing.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -72,7 +76,9 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with each sum of radiance of a pixel, in the order of the file's channels.
+/// Calls `visit` with each of a pixel's sums of radiance. Each block of samples has three sums: red, green
+/// and blue.
+/// The order is that of the channels in the file.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();

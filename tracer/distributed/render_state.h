@@ -16,18 +16,20 @@ namespace postlens {
 /// It also limits N in `--share I/N`, because each run renders whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
-/// An unfinished render: sums of radiance and numbers of samples per pixel, for one or two independent
-/// halves.
-/// The samples of a half are divided into blocks, whose sums are added in order.
+/// An unfinished render: sums of radiance and numbers of samples per pixel. The samples may be divided into
+/// two independent halves, whose difference shows the noise. The samples of a half are divided into blocks,
+/// whose sums are added in order.
 /// So the image does not depend on which run (--share) rendered which block.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// Sums of radiance times exposure: 3 doubles (RGB) per pixel, row-major.
-    /// Holds one total, or one sum for each block of samples.
+    /// For each half, sums of radiance multiplied by the exposure. A sum is 3 doubles (RGB) per pixel,
+    /// row-major.
+    /// A half has either one sum of all its samples or one sum for each block of samples.
     std::array<std::vector<double>, 2> sums;
-    /// Sums of a block of samples that is not yet complete. They are added to `sums` when it is.
+    /// For each half, the sum of the block of samples that is not yet complete. A complete block is added to
+    /// `sums`.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -55,7 +57,8 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render (--share), or with `facts_only` only its size, number of halves and exposure.
+/// Reads a part of a render that several runs share (--share). With `facts_only`, reads only its size, its
+/// exposure and whether its samples form two halves.
 /// Returns nothing if the file is not a part of a render. Throws Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);

@@ -13,7 +13,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// Up to `lines` rays per pixel, numbered by SightLine::view, share one stratified set of samples.
+    /// `lines` is the largest number of rays per pixel. SightLine::view numbers the rays of a pixel, and
+    /// thereby selects their stratified samples of lights and glossy lobes.
     /// Keeps a reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
@@ -24,8 +25,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many planar pieces of surfaces can be drawn while one ray is traced. Measured on six
-    /// scenes.
+    /// Drawing this number of flat pieces of reflected surfaces takes as long as tracing one ray. Measured on
+    /// six scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

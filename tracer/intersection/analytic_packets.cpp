@@ -77,7 +77,7 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// Makes a shape's crossing a ray's hit if no nearer hit is known.
+// For N rays, compares a shape's crossings with the nearest hit so far. A nearer crossing becomes the hit.
 // Copies all inputs first, because the compiler cannot vectorise a loop whose pointers may alias.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,

@@ -17,8 +17,8 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
 }
 
 // Returns a right-handed frame whose z axis is the unit vector `axis`.
-// Its x axis, where the texture coordinate u is 0, is the object's +X made perpendicular to `axis`,
-// or +Y if `axis` is close to X.
+// Its x axis, where the texture coordinate u is 0, is the direction perpendicular to `axis` that is closest
+// to the object's +X. If `axis` is itself close to X, +Y is used instead.
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -239,9 +239,10 @@ dvec3 local_normal(const AnalyticShape& shape, int part, const dvec3& p) {
 dmat3 local_shape_operator(const AnalyticShape& shape, int part, const dvec3& p) {
     if (shape.kind == AnalyticShape::Kind::sphere) return tangential(glm::normalize(p));
     if (shape.kind != AnalyticShape::Kind::cone || part != part_lateral) return dmat3(0);
-    // The normal of a cone is constant along each line through the apex and changes only around the axis. The
-    // derivative of the unit vector e = (x, y) / rho that points away from the axis is (I - e e^T) / rho, and
-    // that of the normal is this matrix divided by `norm`.
+    // The normal of a cone is (e, -k) / norm. Here e = (x, y) / rho is the unit vector that points away from
+    // the axis, k is the change of the radius per height, and norm = sqrt(1 + k^2).
+    // Only e varies over the surface, with the derivative (I - e e^T) / rho. So the derivative of the normal
+    // is this matrix divided by `norm`.
     const ConeAt at = cone_at(shape, p);
     const dvec2 e = at.outward;
     const double s = 1 / (at.rho * at.norm);

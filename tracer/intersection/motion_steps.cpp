@@ -27,7 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Estimates the position error, px, in a box if the matrix `taken` replaces its exact motion `truth`.
+// Estimates the position error, px, of points in a box if the matrix `taken` moves them instead of the exact
+// matrix `truth`.
 // The error in metres is convex, so it is largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
@@ -78,8 +79,10 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // At the tested instants, the moving shape leaves its interpolated bounding box by up to `excess`.
-    // In between, a bound with the second difference `bend` may deviate by bend / 8. The margin is bend / 4.
+    // Embree interpolates the boxes linearly over time. At the tested instants, the moving shape leaves the
+    // interpolated box by up to `excess`.
+    // Between these instants, a side of the exact box may deviate from a straight line by an eighth of its
+    // second difference `bend`. The margin is twice as large: bend / 4.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -28,8 +28,9 @@ struct MotionSteps {
     /// It may exceed the tolerance, because the number of motion steps is limited.
     double error_px = 0;
 };
-/// Approximates a motion by the fewest linear steps that keep the error of `box` within the tolerance.
-/// Their number is a power of two, at most most_motion_steps. `box` bounds the object before `base` is
+/// Approximates the motion of a mesh by the fewest linear steps that keep its position error within the
+/// tolerance. The number of steps is a power of two, at most most_motion_steps.
+/// The error is measured at the corners of `box`, the bounding box of the mesh before the matrix `base` is
 /// applied.
 /// No keyframe of the path may lie between begin_s and end_s.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,

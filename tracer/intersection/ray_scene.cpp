@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 64 times the rounding error of a float. Moved so far, a ray does not hit a triangle next to the one it
-    // leaves.
+    // The offset is 64 times the rounding error of a float. It is large enough that a ray does not hit a
+    // triangle next to the one that it leaves.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -62,7 +62,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // The capacity of the arrays is a multiple of 16, so reading 16 entries never exceeds it.
+        // Copies 16 entries, even if the batch has fewer left. They exist, because `first` and the capacity
+        // of the arrays are multiples of 16.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);

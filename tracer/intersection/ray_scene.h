@@ -134,7 +134,8 @@ class RayScene {
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// Returns the instant of the scene, or the beginning of its shutter interval, in seconds.
+    /// Returns the beginning of the shutter interval, in seconds. Without a shutter, this is the instant of
+    /// the scene.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.

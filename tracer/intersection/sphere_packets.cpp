@@ -106,8 +106,9 @@ template <int N>
     }
 }
 
-// Intersects a fixed number of rays with a sphere.
-// The templates are inlined here, and so compiled for each instruction set.
+// Each of these functions intersects 8 or 16 rays with a sphere. The compiler makes a version for each
+// instruction set.
+// The templates are inlined, because otherwise they would be compiled for only one instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }

@@ -45,8 +45,9 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the vector, m, from `point` to the nearest point of the beam's k-th corner ray.
-    /// It is projected onto a plane perpendicular to the beam.
+    /// Returns the vector, m, from `point` to the nearest point of ray k, one of the beam's four rays from
+    /// the corners of a cell.
+    /// Its components are along `right` and `down`, perpendicular to the beam's axis.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -59,7 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images in mirrors and glass up to this radiance (white is 1) are not searched for. Its sRGB value is 1/8.
+/// An image of a bright object in a mirror or in glass is searched for only if its radiance exceeds this
+/// value (white is 1). The sRGB value is then more than 1/8.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -80,7 +82,9 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // To limit the cells, assumes that every mirror or glass object shows two images of each bright object.
+    // Each image of a bright object needs many quadtree cells. To limit their number, assumes that every
+    // mirror or glass object shows two images of each bright object, and keeps only as many objects as are
+    // affordable.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -119,8 +123,9 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear model: a ray at `position` in the cell misses the bright object by middle + by_cell *
-        // position, m. `position` is in cell widths from the cell's middle.
+        // The vector, m, from the bright object's centre to the nearest point of a ray through the cell is
+        // approximated by middle + by_cell * position. Here `position` is where the ray crosses the cell, in
+        // cell widths from the cell's centre.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -130,7 +135,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell extends from -0.5 to 0.5 cell widths. The margin allows for errors of the linear model.
+        // The cell extends from -0.5 to 0.5 cell widths around its centre. Both margins, 0.05 cell widths and
+        // 10 % of the image's size, allow for errors of this linear approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

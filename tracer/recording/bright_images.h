@@ -26,18 +26,22 @@ class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of quadtree cells into which the image of one bright object is divided.
+    /// Approximate number of quadtree cells that are needed to record one image of a bright object in a
+    /// mirror or in glass.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
     /// Collects the bright objects of the scene at an instant, to find their images in mirrors and glass.
-    /// If all images may need more than `most_cells` cells, only the brightest objects are kept.
+    /// Each image needs many quadtree cells. If all images together may need more than `most_cells`, only the
+    /// objects that emit the most light are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small cells must be to find every bright image in a quadtree cell of width `size_px`.
-    /// `at` holds the rays from the cell's four corners after the same bounces, row by row.
+    /// Returns how small quadtree cells must be so that no bright object's image in a mirror or in glass is
+    /// missed within a cell of width `size_px`, in px.
+    /// `at` holds the rays from the cell's four corners, row by row, after the same reflections and
+    /// refractions.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -45,7 +49,8 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a bounding-sphere hierarchy, stored depth first, around `spheres_` [first, last).
+    /// A node of a bounding-sphere hierarchy, stored depth first. It encloses the elements [first, last) of
+    /// `spheres_`.
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

@@ -17,8 +17,8 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// `samples` are the eye rays through cell corners, and `chunks` hold the surface points that they hit.
-    /// Keeps references to all arguments, of which `samples` and `chunks` may change between calls.
+    /// Keeps references to all arguments. `samples` are the eye rays through cell corners, and `chunks` hold
+    /// the surface points that these rays hit. Their contents may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               std::vector<TracedSamples>& chunks)
@@ -33,17 +33,20 @@ class CellSplit {
     /// Returns true if the eye ray through the cell's centre sees something else than those at its corners.
     /// `centre` is the index of the central sample.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// Sets marks on the records at the corners of an undivided cell. `fine_texture`: the texture has
-    /// contrast between the corners. `gap`: the corners show several parts of one object, or the outline of
-    /// another part crosses the cell. A cell is marked only if `colour_levels` (`fine_texture`) or
-    /// `edge_levels`
-    /// (`gap`) forbids further division. Thread-safe.
+    /// Flags the records at the corners of an undivided cell if the image may have details between the
+    /// corners:
+    /// - `fine_texture`: the texture has contrast there, but the limit `colour_levels` forbids further
+    ///   division.
+    /// - `gap`: the cell shows several parts of one object or the outline of another part, but the limit
+    ///   `edge_levels` forbids further division.
+    /// Thread-safe.
     void mark_leaf(const CornerCell& c) const;
 
   private:
-    /// The shading tree of one visible or hidden surface of a sample. `id`, `part` and `path` are those of
-    /// the surface, and `rgb` is the radiance of the whole tree. The nodes are the records [first, first +
-    /// count) of `chunk`, sorted by path.
+    /// One visible or hidden surface of a sample, with all surfaces seen in it by reflection and refraction
+    /// (its shading tree). `id`, `part` and `path` are those of the surface, and `rgb` is the radiance of the
+    /// whole tree.
+    /// The tree is stored in the records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         NodePath path;
@@ -56,7 +59,8 @@ class CellSplit {
     using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
     /// Returns true if the contrast between two radiances is high enough to divide a cell [mitchell1987].
-    /// The formula's term 0.05 makes it insensitive to small differences between dark colours.
+    /// The contrast is (hi - lo) / (hi + lo + 0.05). The constant 0.05 makes it insensitive to small
+    /// differences between dark colours.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
     /// Returns true if a texture's or shadow's edge lies between cell corners of similar colours.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
@@ -66,11 +70,14 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
-    /// trees: points of the same object after the same bounces. Empty if a tree has none.
+    /// Returns the n-th surface point that the first sample hits, and the corresponding point of each other
+    /// sample.
+    /// Points correspond if they lie on the same object and are hit after the same bounces. Empty if a sample
+    /// has no such point.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the surface point that a shading tree contains after this sequence of bounces.
-    /// Tests the index `guess` first, because most corners of a cell have similar trees.
+    /// Returns the index of the surface point that a sample hits after this sequence of bounces, or nothing.
+    /// Tests the sample's point number `guess` first, because most corners of a quadtree cell have the same
+    /// points in the same order.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -89,14 +96,15 @@ class CellSplit {
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// Returns true if all corners show the same part of an object, but another part's outline passes in
-    /// front of it.
+    /// Returns true if all corners show the same part of an object, but the outline of another part crosses
+    /// the cell in front of it. Both may be parts of one object.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s` holds the shading trees at the cell's corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     /// Returns true if hidden surfaces at the corners of a cell differ so much that it must be divided.
-    /// Compares only hidden surfaces after the same bounces. Corners without one are ignored.
+    /// Compares only surfaces that are seen by the same sequence of reflections and refractions, and ignores
+    /// corners without one.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 

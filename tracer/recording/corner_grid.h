@@ -42,8 +42,8 @@ struct CornerGrid {
     }
 };
 
-/// The sample at a corner of quadtree cells: what decides whether cells are divided, and where its records
-/// are.
+/// The sample at a corner of quadtree cells. It stores the values that decide whether these cells are
+/// divided, and the position of its records in a chunk.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;

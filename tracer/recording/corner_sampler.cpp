@@ -19,8 +19,9 @@
 namespace postlens {
 namespace {
 
-// Number of pixel rows (a band) whose records are in memory at the same time.
-// Two rows of squares of `tile` x `tile` px are enough work for all threads.
+// Number of pixel rows in a band. The records of one band are in memory at the same time.
+// A band contains two rows of tiles, which are `tile` x `tile` px large and are traced in parallel. This is
+// enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
@@ -60,10 +61,12 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel and appends their samples in order. `fill(i, keys)` writes the
-    // `sizes[i]` points of batch i. `traced(index, sample)` is called for every new sample. `around(key)`
-    // returns earlier samples near a point. All three functions must be thread-safe. With
-    // `for_comparison`, the samples only serve to compare colours (WhittedTracer::trace_steady).
+    // Traces batches of points in parallel and appends their samples in order.
+    // - `fill(i, keys)` writes the grid positions of the `sizes[i]` points of batch i.
+    // - `traced(index, sample)` is called for every new sample.
+    // - `around(key)` returns earlier samples near a point.
+    // All three functions must be thread-safe. If `for_comparison` is true, the samples are not recorded.
+    // They are only compared with others, to decide whether a cell is divided (WhittedTracer::trace_steady).
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -180,7 +183,8 @@ class BandSampler {
         });
     }
 
-    // Reuses a sample on the edge that this band of pixel rows shares with the band above.
+    // Stores a sample that was already traced for the band of pixel rows above, on the edge that both bands
+    // share.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -192,8 +196,8 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
-    // A point that must be traced, and the element of CornerCell::between that receives the index of its
-    // sample.
+    // A point that must still be traced. `sample` points to the cell's member that receives the index of the
+    // new sample (an element of CornerCell::between).
     struct Missing {
         CornerKey key;
         std::uint32_t* sample;
@@ -283,11 +287,12 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell, and sets CornerCell::between. A
-    // midpoint that neighbouring cells or neighbouring bands of rows share is traced once.
+    // Traces the points at which cells are divided into quarters: the centre and the midpoints of the sides
+    // of every cell. Stores their sample indices in CornerCell::between.
+    // A midpoint that neighbouring cells or neighbouring bands of pixel rows share is traced once.
     void trace_missing(CellRows& cells, int y_begin, int y_end) {
-        // There is one list of points per row of pixels, and one for the lower edge of the band. A point on
-        // the edge between two rows belongs to the lower row.
+        // The points to trace are listed by pixel row, with one more list for the lower edge of the last row.
+        // A point on the edge between two rows is in the list of the lower row.
         std::vector<std::vector<Missing>> inside(cells.size() + 1), below(cells.size() + 1);
         std::vector<std::size_t> first(cells.size() + 2, 0);  // per row, the index of its first point
         parallel_for(cells.size(), [&](std::size_t row) {

@@ -13,7 +13,8 @@ namespace postlens {
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.
-/// Pairs of rows are traced, evenly spaced, and their size is extrapolated to all rows and recorded instants.
+/// Traces some stripes of two rows, evenly spaced over the image, and extrapolates their size to all rows and
+/// all recorded instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

@@ -25,7 +25,8 @@ using glm::dvec3;
 // A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes scale an object, some recorded instant must show it at this fraction of its largest scale.
+// If keyframes change the scale of an object, at least one recorded instant must show it at this fraction of
+// its largest scale or more.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -42,7 +43,9 @@ struct View {
     }
 };
 
-// Returns the poses of the camera in `views` and at the keyframes `keys` between them, sorted by time.
+// Adds the camera's poses at those of the keyframes `keys` that lie between the first and the last of
+// `views`.
+// Returns all poses, sorted by time.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -191,7 +194,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale of the object along its own axes at each instant. 0 while it is out of view.
+        // Scale of the object along its own axes at each instant. It is 0 at instants when the camera does
+        // not see the object.
         std::vector<dvec3> sizes;
         std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
@@ -208,7 +212,9 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // Also lists the times inside the object, where the camera sees other surfaces than from outside.
+        // If the camera enters the object's bounding box, it sees other surfaces from inside than from
+        // outside. So the time spans inside and those outside, with the object ahead, both need recorded
+        // instants.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -224,7 +230,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Ignores time spans so short that they contain no recorded instant, however many there are.
+    // Ignores time spans that are too short: they contain no recorded instant for any allowed number of
+    // instants, 2 to `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

@@ -22,7 +22,8 @@ namespace postlens {
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
-/// If the camera pans, the scene must be recorded once per such angle.
+/// While the camera pans by this angle, up to half of the image is replaced by other parts of the scene. So
+/// the scene is recorded once per such angle.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -38,9 +39,10 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the least number of evenly spaced keys (recorded instants), `at_least` to 64, that show all
-/// objects.
-/// Each time span in which an object is in view must contain a key or `recorded_s`.
+/// Returns at how many evenly spaced instants (keys) the scene must be recorded so that all objects are
+/// shown: the least number from `at_least` to 64.
+/// Each time span in which an object is in view must contain a key or `recorded_s`, an instant that is
+/// recorded anyway.
 /// Time spans that are too short for 64 keys are ignored.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);

@@ -12,7 +12,8 @@ namespace {
 constexpr int step_px = 8;
 constexpr int largest_px = 4096;
 
-// Returns the radius, px, of the largest circle of confusion of all surfaces that one sample sees.
+// Returns the radius, px, of the largest circle of confusion of the surfaces that one eye ray hits, directly
+// or after reflection and refraction. Ignores hidden surfaces.
 double widest_radius_px(const FocusGeometry& lens, std::span<const Record> records) {
     double widest = 0;
     for (const Record& r : records) {
@@ -30,8 +31,9 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns whether a surface seen at `at`, outside the frame, moves into the frame or close to it.
-// Close means one sample spacing: parts of the surface between the samples may then enter the frame.
+// Returns true if a surface that is seen at `at`, outside the frame, moves into the frame or closer to it
+// than one sample spacing, `step_px`.
+// If it comes so close, a part of it that lies between two samples may enter the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible
@@ -58,7 +60,8 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Includes positions on the border of the image, because a surface may end just outside it.
+    // Coordinates, px, along one axis of the image at which eye rays are traced outside the image. They
+    // include the border of the image, because a surface may end between the border and the next ray.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-// Sets the bounding sphere of a moving object, m, from its bounding box. It is finite even for an infinite
-// box.
+// Sets the bounding sphere of a moving object from its bounding box, in m. The sphere is finite even if the
+// box is infinite.
 void bound(const Bounds& box, ObjectMotion& motion) {
     constexpr double farthest_m = 1e9;
     const glm::dvec3 low = glm::max(box.min, glm::dvec3(-farthest_m)),

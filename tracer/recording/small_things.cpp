@@ -20,7 +20,8 @@ using glm::dvec3;
 constexpr int tile_px = 16;
 // Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// Largest number of times that the piece at the tip of a cone is halved, so that its width changes less.
+// A long object is divided into pieces of constant width. A piece near the tip of a cone is halved up to this
+// number of times, because the cone's width changes most there.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -29,8 +30,9 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // A cone's axis is half[0]. Its other half axes are multiplied by ends.x at centre - half[0],
-    // and by ends.y at centre + half[0]. For all other shapes, ends.x = ends.y.
+    // Only for cones: half[0] is the axis. The other two half axes are multiplied by ends.x at one end of the
+    // axis, centre - half[0], and by ends.y at the opposite end, centre + half[0]. For all other shapes,
+    // ends.x = ends.y.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -51,8 +53,8 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the smaller of two boxes around all points, by surface: one parallel to the coordinate axes,
-/// and one turned towards the point farthest from the centre.
+/// Returns the box of smaller surface area of two boxes that contain all points. One is parallel to the
+/// coordinate axes. The longest side of the other is turned towards the point farthest from the centre.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -105,7 +107,8 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Approximates each part of an object by an ellipsoid, in object space. A plane has none.
+/// Approximates each connected part of an object by an ellipsoid, in object space. An infinite plane has no
+/// ellipsoid.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -140,7 +143,8 @@ double cross(const dvec2& a, const dvec2& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// Linear approximation of the camera's projection near a point, to find the image size of small objects.
+// Approximates the camera's projection near a point by a linear function, with which the image size of a
+// small object is computed.
 struct Sight {
     Sight(const CameraModel& of, const dvec3& point)
         : camera(of), perspective(of.projection == Camera::Projection::perspective) {
@@ -160,8 +164,9 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid. The first two then project to the half axes of its image,
-// an ellipse, the longer one first. The third is along the line of sight.
+// Replaces the three half axes of an ellipsoid by others that describe the same ellipsoid. Its image is an
+// ellipse. The first two new axes project to the half axes of this ellipse, the longer one first. The third
+// is along the line of sight.
 // Returns the ratio of the ellipse's axes, at least 1, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
@@ -197,7 +202,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides an object into straight pieces, and calls take(from, to, half) for each.
+/// Divides a long object into straight pieces along its longest axis, and calls take(from, to, half) for each
+/// piece. A compact object is a single piece.
 /// `from` and `to` are the ends of the piece's axis, and `half` holds its three half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
@@ -222,7 +228,8 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // Near a cone's tip, halves pieces until no end is more than twice as wide as the opposite end.
+        // Near the tip of a cone, a piece may be much wider at one end than at the other. Halves the piece
+        // until neither end is more than twice as wide as the other.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -300,7 +307,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // Half the width of the object's image, perpendicular to the longest of its three projected half axes.
+    // Half the width of the object's image. The width is measured perpendicular to the longest of the three
+    // projected half axes, where the image is narrow.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -326,18 +334,21 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // A compact bright object needs small cells along its outline, so that its area is accurate.
-    // An elongated object has so many cells along its outline that their errors average out.
+    // Along the outline of a compact bright object, quadtree cells must be small, so that the area of the
+    // object is accurate.
+    // The outline of an elongated object crosses so many cells that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. A piece needs at least three cells, so the pieces need 1.5 times the allowed quadtree
-    // cells, and keep_affordable() removes a third of them or more.
+    // Limits memory. There are now at least half as many pieces as allowed quadtree cells. A piece needs
+    // three cells or more, so all pieces need at least 1.5 times the allowed number of cells.
+    // So keep_affordable() removes a third of the pieces or more.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Cells of width find_px on and beside the narrow object, and of width outline_px along its outline.
+    // The first term counts the cells of width find_px that cover the narrow object and a margin of one cell
+    // around it. The second term counts the cells of width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -415,7 +426,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // The corners of the cell are 0.7071 * size from its centre. 0.7072 allows for rounding.
+        // The corners of the cell are 0.7071 * size from its centre. So if the object is farther from the
+        // centre, it lies outside the cell. 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

@@ -17,15 +17,17 @@
 
 namespace postlens {
 
-/// The narrow objects of a scene that are seen directly, and the bright ones in mirrors and glass (`images`).
+/// Finds objects that are so narrow in the image that eye rays may miss them. `images` lists bright objects,
+/// whose images in mirrors and glass may be as narrow.
 /// Each connected part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Objects up to this width, px, are searched for. Wider objects cannot lie between the corners of a
-    /// pixel.
+    /// Objects up to this width, px, are searched for. On a wider object always lies the corner of a pixel,
+    /// where an eye ray hits it.
     static constexpr double widest_px = 1.5;
-    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width.
-    /// At this size, some corner of a cell always lies on the object.
+    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. Eye rays
+    /// pass through the corners of cells.
+    /// At this size, at least one corner always lies on the object, so that a ray hits the object.
     static constexpr double find_share = 0.5;
     /// Largest size of a quadtree cell along a compact bright object, as a fraction of the object's width.
     /// The area of a disc, and so the brightness of its blur, then has an error of 1.2 % (Kendall 1948).
@@ -33,7 +35,8 @@ class SmallThings {
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
     /// Largest average number of quadtree cells per pixel.
-    /// If narrow objects need more, bright objects are kept first, then wide ones.
+    /// If all narrow objects together need more cells, bright objects get cells first, and then the other
+    /// objects, from the widest to the narrowest.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.

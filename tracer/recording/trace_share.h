@@ -14,13 +14,14 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// Returns which of the rows [y_begin, y_end) one of several runs traces. Their numbers differ by at most
-/// one.
+/// Returns which of the rows [y_begin, y_end) one of several runs traces. All runs trace the same number of
+/// rows, or one more.
 /// Throws Error(wrong_arguments) if there are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces the rows of `window` that belong to one of several runs, like sample_corners.
-/// For rows of other runs, `take` receives records of rays that hit nothing (records/lost_rows.h).
+/// Like sample_corners, but traces only those rows of `window` that belong to one of several runs.
+/// The other rows are passed to `take`, too, so that the file is complete. They contain records of rays that
+/// hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

@@ -11,7 +11,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance between two points on the torus [0, 1)^2, at most 2^63, in units of 2^-64.
+/// Returns the squared distance between two points on the torus [0, 1)^2, in units of 2^-64. It is at most
+/// 2^63. The coordinates are in units of 2^-32.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
@@ -27,8 +28,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two grid cells apart, because cells are distance / 2 wide
-        // or more.
+        // Grid cells are at least distance / 2 wide. So a point closer than `distance` lies at most two
+        // columns and two rows of cells away.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -55,7 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Number of random points after which the pattern is started again.
+    // A pattern is built from random points, of which those too close to earlier points are rejected. If it
+    // is not complete after this number of random points, another pattern is started.
     // The last point of a pattern needs 100 tries on average, less than a tenth of this limit.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
@@ -97,7 +99,8 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes `count` random points for samples of a pixel, 1 to 16, from one precomputed pattern.
+/// Writes one random point for each of `count` samples of a pixel, 1 to 16. All points come from one
+/// precomputed pattern.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);

@@ -22,11 +22,14 @@ struct PoissonPattern {
 /// All points are at least `poisson_distance_share` * densest_distance(n) apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
 /// Minimum distance of random points, as a fraction of the largest possible one (densest_distance).
-/// At 0.7, one of a hundred random positions suits the last point. At 0.777, there is usually none.
+/// At 0.7, one of a hundred random positions is far enough from all other points to become the last point. At
+/// 0.777, there is usually no such position.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n random points on the circle [0, 1), at least poisson_distance_share / n apart.
-/// They are uniform points on a shorter circle, with this distance inserted after each.
+/// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least
+/// poisson_distance_share / n apart.
+/// To achieve this, n uniform points are placed on a shorter circle, and then an arc of this length is
+/// inserted after each point.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// Poisson-disc points for the samples of a pixel: a precomputed pattern, shifted and in random order.
@@ -56,7 +59,8 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Point patterns for blocks of floor(n / blocks_) samples, and for blocks of one sample more.
+    /// The n samples of a pixel are divided into `blocks_` blocks. These are the point patterns for blocks of
+    /// floor(n / blocks_) samples, and for blocks that have one sample more.
     std::array<Patterns, 2> sizes_;
 };
 

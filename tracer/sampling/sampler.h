@@ -12,9 +12,9 @@
 
 namespace postlens {
 
-/// How the samples of a pixel are distributed. Raster positions, lens points and instants are paired at
-/// random.
-/// With `sobol`, they are also well distributed jointly.
+/// How the samples of a pixel are distributed: their raster positions, lens points and instants. These three
+/// are combined at random.
+/// With `sobol`, their combinations are also evenly distributed.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -30,8 +30,8 @@ struct SampleSet {
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns a set of random points for a purpose, such as an area light, and two more numbers, such as path
-/// and light. It is never a set for eye rays.
+/// Returns the set of random points that is used for `purpose`, such as sampling area lights. `a` and `b`
+/// distinguish several sets for one purpose, for example by path and light. No set for eye rays is returned.
 /// Different arguments give different sets, except with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
@@ -53,8 +53,10 @@ class Sampler {
     [[nodiscard]] SamplerKind kind() const { return kind_; }
     [[nodiscard]] int spp() const { return spp_; }
 
-    /// Writes samples [first, first + count) of a pixel. `count` is 1 .. 16, and first + count <= spp.
-    /// Fastest if `count` is 16 and `first` is a multiple of 16.
+    /// Writes random points with coordinates u and v in [0, 1), one for each of the samples [first, first +
+    /// count) of a pixel. `set` selects one of several independent sets of points.
+    /// `count` is 1 .. 16, and first + count is at most the number of samples per pixel. Fastest if `count`
+    /// is 16 and `first` is a multiple of 16.
     void fill_2d(std::uint32_t pixel, SampleSet set, int first, int count, float* u, float* v) const;
     void fill_1d(std::uint32_t pixel, SampleSet set, int first, int count, float* u) const;
 
@@ -70,7 +72,8 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes `lanes` samples, 16 or 1, from index `first` on. Samples from index `spp` on are undefined.
+    /// Writes one random point for each of `lanes` samples of a pixel, 16 or 1, from sample index `first` on.
+    /// If an index is not less than `spp`, the number of samples per pixel, the point is undefined.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

@@ -16,18 +16,21 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Divides by an integer, up to 2^20, by multiplying by its reciprocal.
-/// Quotients up to 2^24 are exact, because (a + 0.5) / d is 0.5 / d or more away from any integer.
+/// Divides by an integer d, up to 2^20, by multiplying by its reciprocal, and rounds down. Adding 0.5 to the
+/// dividend a protects against rounding errors: (a + 0.5) / d is at least 0.5 / d away from any integer. So
+/// quotients up to 2^24 are exact.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Returns the lower edge of interval `cell` of `value` equal intervals of [0, 1), in units of 2^-24.
+    /// Divides [0, 1) into `value` equal intervals. Returns the lower edge of interval number `cell`, in
+    /// units of 2^-24.
     /// Sample points are multiples of the same unit, so rounding never moves a point out of its interval.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Rounds up: a / d rounded up is (a + d - 1) / d rounded down.
+        // Rounds the quotient a / d of a = cell * 2^24 and d = `value` up. For integers, this is (a + d - 1)
+        // / d rounded down. Adding 0.5 protects against rounding errors, as in rounded_down.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
@@ -79,7 +82,8 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // The height of a row is proportional to its number of cells, so that all cells have the same area.
+        // The unit square is divided into rows, and each row into cells. The height of a row is proportional
+        // to its number of cells, so that all cells have the same area.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

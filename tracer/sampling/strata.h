@@ -17,16 +17,19 @@ class Strata {
     explicit Strata(std::uint32_t n);
     [[nodiscard]] std::uint32_t count() const { return n_; }
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
-    /// Returns the index of the first cell in a row of strata. row_begin(rows()) is n.
+    /// The n cells are numbered row by row. Returns the number of the first cell in a row. row_begin(rows())
+    /// is n.
     [[nodiscard]] std::uint32_t row_begin(std::uint32_t row) const {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the stratified points of samples [first, first + lanes), where lanes is 16 or 1.
-    /// Sample i is in cell i or, with `permuted`, in a random cell that `key` selects.
-    /// Samples with an index of n or more are in the cell of sample n - 1.
+    /// Writes one random point for each of the samples [first, first + lanes), where lanes is 16 or 1.
+    /// Sample i lies in cell i. With `permuted`, the cells are assigned to the samples in a random order,
+    /// which depends on `key`.
+    /// Samples with an index of n or more lie in the cell of sample n - 1.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Writes one-dimensional points, one in each of n equal intervals of [0, 1). Arguments as for fill_2d.
+    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, which take the place of
+    /// the cells.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

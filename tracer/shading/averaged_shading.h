@@ -1,5 +1,6 @@
-// Counts a scene's glossy materials, which reflect or refract into a lobe, and its area lights.
-// A sample file holds only the mean radiance over the lobe or the light.
+// Counts the glossy materials, which reflect or refract into a lobe, and the area lights of a scene.
+// Their light depends on directions and positions, but a sample file stores only its mean over the lobe or
+// the light.
 #pragma once
 
 #include <cstdint>

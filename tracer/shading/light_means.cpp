@@ -28,8 +28,10 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of twelve that test the visibility of an area light: 8 on its outline and 4 inside.
-// On a sphere, the outline points are rotated at random. Fixed ones would always miss the same occluders.
+// Returns point i of the twelve points of an area light whose visibility is tested first: 8 on the outline of
+// the light and 4 inside.
+// On a sphere, the 8 points are rotated by a random angle, because points at fixed angles would always miss
+// the same occluders.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -55,7 +57,8 @@ double extent_angle(const ExtentLit& p) {
 }
 
 // Returns the radiance that a surface reflects from an area light without shadows, averaged over the light.
-// The light is divided until the mean settles and its cells are narrower than the highlight.
+// The light is divided into smaller and smaller cells, until the mean no longer changes and each cell is
+// narrower than the surface's highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));
@@ -72,9 +75,11 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns the k for which k x k shadow rays give a record a standard deviation of 2/255 of white.
-// A straight shadow edge crosses about k cells, so the deviation is about L / (2 k^1.5) for a radiance L.
-// A pixel, the mean of at least four records, then has at most 1/255.
+// Returns k: the light is divided into k x k cells, each with one shadow ray. k is chosen so that a record
+// has a standard deviation of 2/255 of white.
+// A straight shadow edge crosses about k cells, and only these are noisy. So the mean of a radiance L has a
+// deviation of about L / (2 k^1.5).
+// A pixel is the mean of at least four records, so its deviation is at most 1/255.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

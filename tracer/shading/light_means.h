@@ -24,8 +24,9 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance, by which quadtree cells are subdivided: the unshadowed radiance
-    /// times 1 if the light is completely visible, 0 if it is hidden, or else 0.5.
+    /// Noise-free estimate of the radiance, which decides whether quadtree cells are subdivided. It is the
+    /// radiance without shadows, multiplied by 1 if the whole light is visible and by 0 if it is hidden. The
+    /// factor is 0.5 if only a part is visible.
     glm::dvec3 steady{0};
 };
 

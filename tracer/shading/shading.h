@@ -59,7 +59,8 @@ struct Lit {
 /// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// How light continues at a hit: weights of the reflected and refracted ray, and what gives their directions.
+/// How light continues at a hit: the weights of the reflected and the refracted ray, and the values from
+/// which their directions are computed.
 struct Continuation {
     /// Factors by which the radiance of the reflected and the refracted ray is multiplied.
     /// In total internal reflection, `transmitted` is 0 and its light is added to `reflected`.

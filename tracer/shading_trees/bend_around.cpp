@@ -6,8 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the recorded surface hit with this sequence of bounces, in `layer`, else in layer 0, else null.
-/// A mirror or glass in front of a hidden surface is recorded only in layer 0.
+/// Searches for a surface hit with this sequence of bounces, first in `layer`, and then in layer 0. Returns
+/// null if there is none.
+/// Layer 0 is searched because it alone contains the mirror or glass in front of a hidden surface.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,8 +29,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of one sample's surfaces that are seen after the same bounces, at the same objects, as a given
-/// one.
+/// Summary of those surface hits of one sample that correspond to a given node: they are seen after the same
+/// bounces at the same objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

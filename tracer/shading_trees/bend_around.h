@@ -1,5 +1,6 @@
-// Estimates `w_bend`, the nonlinear motion of a surface's image over the lens, from samples nearby.
-// This saves rays. The matrix W describes the linear motion.
+// Estimates `w_bend`, which measures how nonlinearly the image of a surface moves when the lens point moves.
+// The estimate is made from samples nearby, because a measurement needs additional rays. (The linear part of
+// the motion is the matrix W.)
 #pragma once
 
 #include <array>
@@ -22,13 +23,15 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Estimates `w_bend`, 1/m^2, the nonlinear motion of a surface's image over the lens, from four samples
-/// nearby.
-/// It is the greatest value of similar surface hits, with bounces at the same objects as `node`.
+/// Estimates `w_bend` of a surface hit `node` from four samples nearby. `w_bend`, in 1/m^2, measures how
+/// nonlinearly the image of a surface moves when the lens point moves.
+/// Only hits that are seen after the same bounces at the same objects as `node` are compared. The result is
+/// their greatest value.
 /// Empty if the value at `node` may be different:
-/// - A sample has no similar hit.
-/// - No similar hit lies on the object of `node`.
-/// - The greatest value exceeds `little`, and the samples do not agree within a factor of two on this object.
+/// - One of the samples has no such hit.
+/// - No such hit lies on the same object as `node`.
+/// - The greatest value exceeds `little`, and not all samples have a hit on the object of `node`.
+/// - The greatest value exceeds `little`, and the values of the samples differ by more than a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

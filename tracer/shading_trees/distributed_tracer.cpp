@@ -23,22 +23,23 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the LimitedNode, a surface point with clamped radiance, to which the light is added.
-    /// If `no_node`, the light is added to the radiance of the eye ray.
+    /// Index of the surface hit with clamped radiance (LimitedNode) to whose radiance the light is added.
+    /// If it is `no_node`, nothing is clamped, and the light is added to the radiance of the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is clamped, after all its light has been summed.
-/// The light above the clamp is added to the image elsewhere, as highlights (LightElsewhere).
+/// A surface hit whose radiance is clamped. All its light is summed here first.
+/// The light above the clamp is not traced as rays, because it is added to the image as highlights
+/// (LightElsewhere).
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Clamps the radiance of a surface hit to LightElsewhere::above and adds it to that of the eye ray.
-/// If `counts` is true, adds the light above the clamp to EyeRays::left_out.
+/// Adds the radiance of a surface hit, clamped to `eye.less->above`, to the radiance of the eye ray.
+/// If `counts` is true, the light above the clamp is added to `eye.left_out`.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;
@@ -155,7 +156,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // Mirrors directions on the wrong side of the surface, so that no light of the lobe is lost.
+            // A random direction in a glossy lobe may point to the wrong side of the surface. It is mirrored
+            // at the surface, so that no light of the lobe is lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

@@ -18,8 +18,9 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette: traces a reflected or refracted ray with a probability of its weight's largest
-    /// channel, and divides its weight by this probability. This needs fewer rays but gives more noise.
+    /// Russian roulette: a reflected or refracted ray is traced only with a certain probability, the largest
+    /// colour channel of its weight. The weight is divided by this probability, so that the mean stays the
+    /// same. This needs fewer rays but gives more noise.
     bool roulette = false;
 };
 
@@ -34,13 +35,15 @@ struct EyeRays {
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
-    /// The position determines whether the point's radiance is clamped (`less`).
+    /// `less` decides by this position whether the point's radiance is clamped.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// Per ray, the only surface point whose excluded light is added to `left_out`. Only the path to it is
-    /// traced, and `radiance` is not computed. If the list is empty, `left_out` is 0.
+    /// Per ray, one surface point. If the list is not empty, only the light that `less` excludes at this
+    /// point is computed, and is added to `left_out`. Only the path to this point is traced, and `radiance`
+    /// is not computed.
+    /// If the list is empty, `left_out` is 0.
     std::vector<NodeIdentity> left_out_of;
 };
 
@@ -78,7 +81,8 @@ class DistributedTracer {
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
-    /// Returns true if the light at this hit is needed. Otherwise, the ray is only followed to later hits.
+    /// Returns true if the light at this hit is needed. If only the light of other surface points is needed
+    /// (`left_out_of`), the ray is merely followed to its next hit.
     [[nodiscard]] bool wants_light(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const {
         return eye.left_out_of.empty() || counts_as_left_out(ray, object, eye);
     }

@@ -17,8 +17,9 @@ namespace {
 // Testing more bounding balls would take longer than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// If the pinhole moves by less, the camera is assumed only to rotate, because this may be a rounding error.
-// The value is relative to 1 m plus the distance of the pinhole from the origin.
+// If the pinhole moves by less than this fraction, the camera is assumed only to rotate, because the movement
+// may be a rounding error.
+// It is a fraction of 1 m plus the distance of the pinhole from the origin.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -22,8 +22,9 @@ class FilmMotion {
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, at instant i of a point of object `id`. Empty behind the camera.
-    /// `point` is the world position, m, that the point has at `from_s`.
+    /// Returns the raster position, px, of a point of object `id` at the i-th predicted instant. Empty if the
+    /// point is then behind the camera.
+    /// `point` is the world position, m, of the point at the recorded instant.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
     /// Returns the raster position, px, at instant i of the infinitely distant background in `direction`.
@@ -45,8 +46,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// Per moving object (by id) and instant: the matrix that moves its world positions from `from_s` to the
-    /// instant.
+    /// For each moving object (by id), one matrix per predicted instant. It transforms the world position of
+    /// a point at the recorded instant to the position of the same point at the predicted instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

@@ -43,7 +43,7 @@ struct Chain {
     std::vector<Places> places;  // for each surface so far, its raster positions at all instants
     LensReach::Covers covers;    // inverse depths of the surfaces so far
 
-    // Makes this the chain of another ray. The vectors keep their memory.
+    // Clears all members, so that another ray can be followed. The vectors keep their memory.
     void restart(std::uint32_t of) {
         ray = of;
         beyond = goes_on = still = false;
@@ -70,8 +70,9 @@ class Follower {
         return c.goes_on;
     }
 
-    // Returns the distance, m, from which the ray goes on: just before the last hit, because another surface
-    // may touch it there, such as a floor under a box, or just behind a repeated hit (`beyond`).
+    // Returns the distance, m, from which the ray is traced on. This is just before the last hit, because
+    // another surface may touch it there, such as a floor under a box. If the last hit had already been found
+    // before (`beyond`), it is just behind the last hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -85,8 +86,9 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // Whether moving objects lie ahead depends on the position on the ray. The other criteria only depend
-        // on the surfaces so far.
+        // Decides whether the ray is followed further. If motion may reveal surfaces, this must be computed
+        // again after each hit, because fewer moving objects lie ahead. Otherwise it depends only on the
+        // surfaces so far, and `goes_on` stores the result.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
@@ -108,8 +110,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray inside one part of an object, such as a leaf of a tree, may meet the back of another part
-        // without having left the first.
+        // Entering and leaving are tracked for each part of an object, such as each leaf of a tree. A ray
+        // inside one leaf may meet the back of another leaf before it leaves the first.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -158,7 +160,8 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Returns true if some lens point may see surface `s` past the surfaces in front of it.
+    // Returns true if some lens point may see surface `s`, which other surfaces on the ray hide from the
+    // pinhole.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -170,8 +173,10 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An image in a mirror or in glass is deeper than the mirror, so a lens sees more of it past an edge.
-        // The mirror therefore counts as seen if any deeper surface would be seen.
+        // The image in a mirror or in glass is deeper than the mirror itself. So a lens sees more of this
+        // image past an edge than of the mirror.
+        // The mirror therefore counts as seen if the lens would see any surface that is deeper than the
+        // covers.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -187,8 +192,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`.
-    // For this, each surface in front of `s` must have another raster position at some instant.
+    // Returns true if motion may uncover surface `s`. This requires that each surface in front of `s` and `s`
+    // itself have different raster positions at some instant.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -18,19 +18,24 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per eye ray that motion may reveal. Images rarely show more.
+    /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them. More
+    /// are rarely visible in an image.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if only a wide lens can reveal them.
-    /// Behind an edge, a lens reveals less than motion does.
+    /// Largest number of hidden surfaces per ray that are recorded if only a wide lens can reveal them.
+    /// It is less than `most_uncovered`, because a lens reveals less behind an edge than motion does.
     static constexpr int most_seen_past = 3;
-    /// A part of a hidden surface up to this width, px, is invisible: a pixel averages four or more samples.
+    /// A part of a hidden surface up to this width, px, counts as invisible. It covers at most a quarter of a
+    /// pixel, that is, about one of the four or more samples that the pixel averages.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered` per ray.
-    /// Each surface in front must, at some instant, be more than `same_place_px` away on the raster.
+    /// If not null, only hidden surfaces that motion may reveal are returned, at most `most_uncovered` per
+    /// ray.
+    /// Motion reveals a surface if, for each surface in front of it, there is an instant at which the two are
+    /// more than `same_place_px` apart on the raster.
     const FilmMotion* motion = nullptr;
-    /// If not null, also returns surfaces that a lens may see, directly or after reflection and refraction.
+    /// If not null, hidden surfaces that a lens may see are also returned, whether it sees them directly or
+    /// in mirrors and glass.
     const LensReach* lens = nullptr;
     /// The connected parts of all objects. Null if every object is a single part.
     const ObjectParts* parts = nullptr;
@@ -39,7 +44,8 @@ struct HiddenLayers {
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
 
-/// An eye ray, or a reflected or refracted one, and its first hit. Hidden surfaces are sought behind the hit.
+/// A ray and its first hit. It may be an eye ray or a reflected or refracted ray. The surfaces behind the
+/// first hit on the same ray are the hidden surfaces to be found.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
@@ -50,8 +56,9 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, at which an infinitely distant point on the ray appears.
-    /// It is 0 for an eye ray, but not after a curved mirror.
+    /// Returns the inverse depth, 1/m, of the image of an infinitely distant point on the ray.
+    /// It is 0 for an eye ray. After a curved mirror it is not, because the mirror shows distant points at a
+    /// finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

@@ -15,8 +15,9 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns where this thread's last search of the depth pyramid for a similar inverse depth ended.
-/// The next search is usually close by and often ends in the same square of pixels.
+/// Returns a hint for a search of the depth pyramid: where this thread's last search for a similar inverse
+/// depth ended.
+/// The new search is usually close by, and often ends in the same square of pixels.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
     thread_local std::array<MinMaxPyramid::Hint, 256> hints;
     const std::size_t depth =
@@ -125,14 +126,19 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search,
         return MinMaxPyramid::Cone{covers.at, radius, covers.farthest, least, edge_slope / k};
     };
     const auto edge_for = [&](double nearest) { return (seen.*search)(cone_for(nearest), hint); };
-    // edge_for(nearest) searches for an edge of the covers within the shift of a surface with the inverse
-    // depth `nearest`, relative to the hidden surface. First, `nearest` is an upper bound for all surfaces
-    // close to the ray, which rejects most rays. Then it is that of the covers, and last that of a nearer
-    // surface beside them, which may hide their edge. If the edge that the last search found suffices for the
-    // covers, no search is needed.
+    // edge_for(nearest) searches around the ray for an edge of the covers, the surfaces in front, past which
+    // the lens sees the hidden surface. The search radius is the shift between the images of the hidden
+    // surface and a surface with the inverse depth `nearest`.
+    // It is called with up to three values:
+    // - an upper bound of the inverse depths of all surfaces close to the ray, which rejects most rays
+    // - the inverse depth of the nearest cover
+    // - the inverse depth of a nearer surface beside the covers, which may hide their edge
+    // Before this, the edge that the last search found is tested. If the lens sees past it, no search is
+    // needed.
     if ((seen.*peek)(cone_for(covers.nearest), hint)) return true;
     const double radius = k * (covers.nearest - behind) + margin_px;
-    // First tries an upper bound of all inverse depths around the ray, which rejects most rays.
+    // First uses an upper bound of all inverse depths around the ray, and so the largest search radius. If no
+    // edge is found even so, there is none. This rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;
     // A nearer surface beside the covers may hide their edge.

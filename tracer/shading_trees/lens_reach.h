@@ -27,14 +27,18 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Margin, px, around the part of a hidden surface that the lens sees past an edge:
+    /// Past an edge, the lens sees a strip of the hidden surface. The strip is widened by this margin, px,
+    /// for two reasons:
     /// - The position of the edge is known only up to the diagonal of a pixel.
-    /// - The corners of all pixels that show the part must be included.
+    /// - The corners of all pixels that show a part of the strip must be included.
     static constexpr double margin_px = 2.5;
-    /// Least shift between two surfaces' images over the lens, px per px of distance, that counts as an edge.
-    /// A plane has this slope only if it is so oblique that no lens point sees behind it.
+    /// Two positions in the image count as the sides of an edge if their surfaces differ enough in depth.
+    /// From the lens centre to its rim, the images of both surfaces must shift relative to each other by at
+    /// least this fraction of the distance between the positions.
+    /// A plane reaches this value only if it is so oblique that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
-    /// Hidden surfaces are recorded after at most this number of bounces. Later ones are numerous and faint.
+    /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
+    /// After more bounces, they are numerous and faint.
     static constexpr int most_bounces = 2;
 
     /// Finds depths and edges by one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
@@ -50,20 +54,22 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, at which an infinitely distant point on the ray appears.
-        /// It is 0 for an eye ray, but not after a curved mirror.
+        /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray.
+        /// It is 0 for an eye ray. After a curved mirror it is not, because the mirror shows distant points
+        /// at a finite depth.
         double limit = 0;
     };
-    /// Returns true if some lens point may see a surface of inverse depth `behind`, 1/m, past the surfaces
-    /// `covers` in front of it on the same ray. If false, certainly no lens point sees it.
+    /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
+    /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns true if some lens point may see a surface at any depth behind all `covers`, on the same ray.
+    /// Like may_see, but for a hidden surface at any depth. `covers` describes the surfaces in front of it on
+    /// the same ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns a recorded point's inverse depth, 1/m: the mean of the diagonal of W, one value per raster
-    /// axis.
+    /// Returns the inverse depth, 1/m, of a recorded point: the mean of the diagonal of its matrix W. For a
+    /// surface seen directly, both diagonal entries are 1 / depth.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -82,8 +88,10 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Converts a difference of inverse depths, 1/m, to the shift, px, of two images against each other
-    /// from the lens centre to its rim: lens radius, m, divided by the camera's tangent per pixel.
+    /// When the lens point moves from the centre of the lens to its rim, the images of two surfaces shift
+    /// relative to each other. The shift, px, is this factor times the difference of their inverse depths,
+    /// 1/m.
+    /// The factor is the lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -18,8 +18,9 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight of a ray borrowed from a neighbouring hit's glossy lobe.
-// Where that lobe has a low density, weights are high and cause noise.
+// Largest weight of a ray in the mean over the glossy lobe of a neighbouring hit. Neighbouring hits share
+// their rays.
+// A weight is high where the lobe for which the ray was sent has a low density. High weights cause noise.
 constexpr double most_weight = 8;
 
 // True if two surface hits may share rays to average over their glossy lobes.
@@ -29,16 +30,19 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight of rays sent for hit b in the mean over hit a's glossy lobe. It falls from 1 at
-// distance 0 in the image to 0 at `reach_px`, so that the mean is continuous over the image.
+// A ray sent for hit b also counts in the mean over the glossy lobe of hit a. Returns a factor of its weight
+// there.
+// The factor falls from 1 for hits at the same raster position to 0 for hits `reach_px` apart, so that the
+// mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px.
-// It gives nearby surface hits successive stratified points. 16 bits per coordinate suffice for a batch.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
+// index, so that hits close together get successive sample points, which are stratified.
+// The hits of one batch are so close together that 16 bits per coordinate suffice.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -97,8 +101,9 @@ struct LobeMeans::Ray {
     double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// Surface hits [first, end) of a sorted list, which share rays to average over their glossy lobes.
-// They are on one object and have the same sequence of bounces.
+// Surface hits [first, end) of a sorted list. A ray that is sent for one of them may be used to average over
+// the glossy lobes of all of them.
+// They lie on one object and have the same sequence of bounces.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
@@ -118,8 +123,9 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, which sample glossy lobes. They must be sorted by
-// `nodes_left` of their hits, because rays that may still bounce equally often are traced together.
+// Traces the rays from index `first` on, whose directions are samples of glossy lobes. Rays whose hits have
+// the same `nodes_left`, the number of surfaces that may still follow, are traced together.
+// So the rays must be sorted by it.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -198,7 +204,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // If `weight` is NaN (0 times an infinite bound), std::min returns `count`.
+        // If `weight` is NaN (0 times an infinite bound), std::min returns `count`. So as many test rays are
+        // sent as the group has hits.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
@@ -226,8 +233,9 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Estimates from every `stride`-th hit how many hits share rays with this hit, weighted by
-            // `window`.
+            // Estimates how many hits of the group share their rays with this hit. Nearer hits count more
+            // (`window`).
+            // Only every `stride`-th hit is tested, to save time.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -25,8 +25,8 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Throughput times the point's radiance that does not come from its glossy lobes.
-    /// Noise is less visible on a brighter point, so it gets fewer rays.
+    /// Throughput times the radiance of the point without the light from its glossy lobes.
+    /// If it is bright, the noise of the lobes is less visible, so fewer rays are sent for the lobes.
     glm::dvec3 beside{0};
 };
 

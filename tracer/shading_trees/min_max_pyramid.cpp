@@ -10,7 +10,8 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square of width `size`.
+/// Returns the squared distance from (x, y) to the nearest integer position in a square. The square is `size`
+/// wide, and its first position is (square_x, square_y) * size.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -18,8 +19,8 @@ double distance2_of(double x, double y, int square_x, int square_y, double size)
     return dx * dx + dy * dy;
 }
 
-/// Returns whether the cone (search region) contains the value `low` at this squared distance from its
-/// centre.
+/// Returns true if the value `low` belongs to the search region `cone`. `distance2()` returns the squared
+/// distance of the value from the region's centre.
 template <typename Distance2>
 bool may_contain(const MinMaxPyramid::Cone& cone, float low, const Distance2& distance2) {
     const double under = cone.top - static_cast<double>(low);
@@ -60,7 +61,8 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     }
 }
 
-// Returns the highest (coarsest) level whose squares have a diagonal of at most an eighth of the radius.
+// Returns the highest (coarsest) level of the pyramid whose squares have a diagonal of at most an eighth of
+// the search radius.
 int MinMaxPyramid::coarse_level(double radius) const {
     const int highest = static_cast<int>(levels_.size()) - 1;
     int level = 0;
@@ -85,10 +87,13 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Searches for values within `radius` of `at`, depth-first. A square of level 0 is a single value.
-// - `visit(range, square, distance2)`: descend into a square, skip it or end the search
-// - `promise(range)`: rating of a square; of four squares, the one with the highest rating is searched first
-// - `keeps(promise)`: whether a square is still searched when its turn comes
+// Searches the pyramid for values within `radius` of `at`, depth-first: from large squares of values down to
+// level 0, whose squares are single values.
+// - `visit(range, square, distance2)` decides whether to descend into a square, to skip it or to end the
+//   search.
+// - `promise(range)` rates a square by its least and greatest value. Of four squares, the one with the
+//   highest rating is searched first.
+// - `keeps(promise)` decides whether a square that had to wait is still searched.
 // `distance2()` is the squared distance from `at` to the nearest integer position in the square.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
@@ -98,8 +103,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // The stack holds at most 9 squares of the first level and three parts of a square for each of at most 31
-    // levels below, so 128 entries suffice.
+    // The stack holds the squares that are still to be searched. There are at most 9 at the first level, and
+    // at most three parts of a square at each of up to 31 levels below. 9 + 3 * 31 = 102, so 128 entries
+    // suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
@@ -123,8 +129,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // The search starts at the level whose squares are as wide as the radius, so the circle overlaps at most
-    // 3 x 3 squares. Most circles are small, so a search from the top of the pyramid would take longer.
+    // The search starts at the pyramid level whose squares are at least as wide as the search radius. So the
+    // search circle overlaps at most 3 x 3 squares. Most circles are small, so a search from the top of the
+    // pyramid would take longer.
     const int top = level_of_width(radius);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

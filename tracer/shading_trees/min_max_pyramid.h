@@ -1,5 +1,6 @@
-// A raster of values, with a fast search near a position for a value below a limit.
-// The limit falls with the distance from the position, so the search region is a cone.
+// A raster of values, in which a value below a limit is quickly found near a position.
+// The limit falls with the distance from the position. So the positions and values that are searched form a
+// cone.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +15,28 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Search region for values well below `top`. It contains a value at a distance d <= radius from `at`
-    /// that is less than `top` by at least `least` and by at least slope * d.
+    /// Search region for values well below `top` near the position `at`. A value at a distance d <= radius
+    /// from `at` belongs to the region if it is less than `top` by at least `least` and also by at least
+    /// slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square at which an earlier search ended. It is tested first, because a nearby search probably ends
-    /// there, too. A hint from another pyramid is allowed.
+    /// The square of the pyramid at which an earlier search ended. The next search tests this square first,
+    /// because it is often close by and ends there, too. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. The result does not depend on the hint.
-    /// It may also be true for a value that lies outside the cone by up to an eighth of the radius.
+    /// Returns whether the cone contains any value, like any_in, but several times faster for wide cones.
+    /// May also return true for a value that lies outside the cone by up to an eighth of the radius. A hint
+    /// only saves time and does not change the result.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Returns true if the value or square of values of the hint shows, without a search, that any_in(cone)
-    /// or maybe_any_in(cone) is true.
+    /// Tests only the square of values that is given by the hint, without a search. If hint_in returns true,
+    /// any_in(cone) is also true. If hint_maybe_in returns true, maybe_any_in(cone) is also true.
     [[nodiscard]] bool hint_in(const Cone& cone, const Hint& hint) const { return at_hint(cone, 0, hint); }
     [[nodiscard]] bool hint_maybe_in(const Cone& cone, const Hint& hint) const {
         return at_hint(cone, coarse_level(cone.radius), hint);
@@ -43,7 +46,8 @@ class MinMaxPyramid {
     /// Returns the greatest value within `radius` of `at`, or `floor` if all are less.
     /// Values up to 9/8 of the radius away may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of greatest(at, radius, floor), computed fast from only a few squares.
+    /// Returns an upper bound of the greatest value within `radius` of `at`, or `floor` if this bound is less
+    /// than `floor`. It is computed fast from only a few squares of the pyramid.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -60,7 +64,8 @@ class MinMaxPyramid {
     [[nodiscard]] int coarse_level(double radius) const;
     /// Returns the lowest level whose squares are at least `px` wide, or else the highest level.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares of one level that overlap the bounding box of a circle, or else the nearest ones.
+    /// Returns the squares of one pyramid level that overlap the bounding box of a circle, or the nearest
+    /// squares if none do.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     [[nodiscard]] bool at_hint(const Cone& cone, int level, const Hint& hint) const;

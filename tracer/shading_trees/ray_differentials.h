@@ -39,16 +39,19 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W, 1/m: how the image of a hit moves on the raster when the lens point moves.
+/// Returns the matrix W, 1/m, which describes how the image of a hit moves on the raster when the lens point
+/// moves.
 /// W = (dX/dp)^-1 dX/dq, along the raster's axes:
 /// - X: point that the ray hits
-/// - p: tangent of the eye ray
-/// - q: lens point
+/// - p: tangent of the eye ray's angle to the optical axis
+/// - q: lens point, m
 ///
-/// Where neighbouring eye rays converge in one point, the entries of W are huge but finite.
+/// Where neighbouring eye rays converge in one point, dX/dp has almost no inverse. The entries of W are then
+/// huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W, by which the image moves with the lens point, for a ray that hits nothing.
+/// Returns the matrix W for a ray that hits nothing. It describes how the image of the infinitely distant
+/// background moves when the lens point moves.
 /// It is computed from the derivatives of the ray's direction.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 

@@ -16,7 +16,8 @@ using glm::dvec3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Largest number of Newton steps to find the ray from a lens point to a given surface point.
-// All steps use the derivatives at the pinhole, so each reduces the error only about tenfold.
+// All steps use the derivatives of the ray through the lens centre. These are not exact for other lens
+// points, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
 // Newton's method for a ray ends when its last step is at most `settled_px`, or its estimated error at most
 // `settled_share` of the difference between the ray and its first-order prediction.
@@ -24,8 +25,9 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Estimated error after the first Newton step, as a fraction of this step.
 // After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays from two lens points are traced first. If both differ from the linear prediction by at most this
-// fraction of `settled_px`, the rays from the opposite lens points are skipped.
+// Rays from two lens points are traced first. The matrix W predicts these rays linearly. If both rays differ
+// from their prediction by at most this fraction of `settled_px`, the rays from the opposite lens points are
+// skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
@@ -45,7 +47,7 @@ struct Probe {
     HitKey from;
     int bounces = 0, passed = 0;
     // The ray ended before its last bounce. `hidden`: it hit another object or nothing.
-    // `lost`: it was totally reflected, or the search for the ray diverged.
+    // `lost`: it was totally reflected, or Newton's method, which searches for the ray, diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -99,7 +101,8 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns a Newton step of the ray's tangent towards its target, with the derivatives at the pinhole.
+    // Returns a Newton step: the change of the ray's tangent that brings the ray closer to the surface point
+    // that it must reach. It is computed from the derivatives of the ray through the lens centre.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -118,7 +121,8 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Traces the rays of all unfinished Newton searches, through reflections and refractions, to the last bounce.
+// Newton's method searches for rays that reach given surface points. Traces one ray for each unfinished
+// search, through reflections and refractions, to its last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -149,15 +153,17 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 namespace {
 
 /// Greatest accepted tangent of a ray's angle to the optical axis.
-/// Larger ones occur only if Newton's method diverges or if the first-order prediction is unbounded.
+/// A larger tangent occurs only if Newton's method diverges or if its starting value, which W predicts, is
+/// unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach given surface points, and how far each departs from linear
-/// motion: the difference between the tangent of the ray and its first-order prediction.
+/// Searches for the rays from lens points that reach given surface points. The matrix W predicts the tangent
+/// of each ray linearly.
+/// The result is the departure: the difference between the tangent of the ray and its prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -165,7 +171,8 @@ struct Search {
     std::vector<bool> ended;  ///< one of its rays is lost
     /// Per node, the greatest departure of its converged rays.
     std::vector<double> greatest;
-    /// Per surface point, a lower bound of the largest deviation of its rays from the linear prediction.
+    /// Per surface point, a lower bound of the largest departure of its rays from the tangents that W
+    /// predicts.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -187,8 +194,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns how far a ray's tangent deviates from the linear prediction, or infinity if no ray was found.
-    /// Not for a ray that is `hidden`.
+    /// Returns the difference between the ray's tangent and the tangent that W predicts, plus the remaining
+    /// error of Newton's method. Infinite if no ray was found. Not for a ray that is `hidden`.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -201,8 +208,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a surface point is lost, the result is infinite, so all further rays to it are
-        // skipped.
+        // If one ray to a surface point is lost, the measured `w_bend` of this point is infinite. So all
+        // further rays to it are skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -226,8 +233,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only a point's largest deviation counts, so rays that certainly deviate less need no further
-            // steps.
+            // Only the ray with the largest departure from its prediction counts for a surface point. So the
+            // Newton search for a ray ends if its departure is certainly smaller.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -253,8 +260,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // Deviations are of second order in the lens point, so they are almost equal on opposite sides of the
-    // lens. If they are small, as for most points, no rays from the opposite side are traced.
+    // The difference between a ray and its linear prediction is of second order in the lens point. So it is
+    // almost equal on opposite sides of the lens.
+    // If it is small, as for most surface points, no rays from the opposite side are traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -271,7 +279,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Negative: no ray from the lens has reached the point, so the result is unknown.
+    // A negative value means that no ray from the lens has reached the surface point. Its `w_bend` is unknown
+    // and is set to infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -21,8 +21,9 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A surface hit seen in a mirror or through glass.
-/// A ray from another lens point must reach its `target` after bounces at the same objects.
+/// A surface hit seen in a mirror or through glass, for which `w_bend` is measured.
+/// To measure it, rays from other lens points are sought that bounce at the same objects and reach the same
+/// point, `target`.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
@@ -32,7 +33,8 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the target's world position by the tangents of the eye ray along raster x and y.
+    /// Derivatives of `target`, the world position of the hit, with respect to the eye ray's tangents along
+    /// raster x and y.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -253,7 +253,8 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // Smallest radiance that a shadow must remove to be recorded. Weaker shadows are not visible.
+            // A shadow is recorded only if it removes more than this radiance. Weaker shadows are not
+            // visible, so quadtree cells are not subdivided for them.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);

@@ -24,8 +24,9 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. For a glossy lobe wider than the lens, the mean radiance is recorded, and for a
-    /// narrower lobe, the radiance from the exact direction. If 0, all lobes are averaged.
+    /// Lens radius, m. A glossy lobe may be wider than the lens, as seen from the surface. Then its mean
+    /// radiance is recorded. For a narrower lobe, the radiance from the exact direction of reflection or
+    /// refraction is recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -33,8 +34,9 @@ struct WhittedSettings {
 };
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases.
-/// `hidden` counts rays that continue behind a surface.
-/// `lens` counts rays from other lens points, which measure the nonlinear image motion `w_bend`.
+/// `hidden` counts rays that continue behind a surface, to find hidden surfaces.
+/// `lens` counts rays from other lens points than the centre. They measure `w_bend`, i.e. how nonlinearly an
+/// image moves when the lens point moves.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -72,8 +74,9 @@ struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
     /// For each record, the part of its radiance (r, g, b) that has sampling noise:
-    /// - means over glossy lobes
-    /// - in the penumbra of an area light, the light minus its noise-free estimate (ExtentLit::steady)
+    /// - the means over glossy lobes, which are estimated with random rays
+    /// - the light of an area light in its penumbra, of which only the difference from a noise-free estimate
+    ///   counts (ExtentLit::steady)
     ///
     /// Empty if no record has noise.
     std::vector<glm::vec3> noisy;
@@ -101,12 +104,14 @@ class WhittedTracer {
     /// rays.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Like `trace`, but only finds what decides whether a cell is subdivided: the visible surfaces and their
-    /// radiance without sampling noise. Hidden surfaces, `w_bend` and the means over lobes are left out.
+    /// Like `trace`, but computes only what decides whether a quadtree cell is subdivided: the visible
+    /// surfaces and their radiance without sampling noise.
+    /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
+    /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// `w_bend` is the second-order motion of a node's image over the lens. If it displaces the images at
-    /// nearby samples by less than this value, px, for every lens point, bend_around estimates it from them
-    /// even if they differ.
+    /// `w_bend` measures how nonlinearly the image of a surface moves when the lens point moves. It is
+    /// estimated from nearby samples (bend_around), normally only if their values are similar.
+    /// If their values displace the image by less than this, px, for every lens point, they may also differ.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -20,7 +20,7 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of a shading tree.
+    // An eye ray, or a ray into which it continues by reflection or refraction.
     // `origin` lies exactly on the surface, but the ray that is passed to Embree starts slightly off it.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
@@ -80,18 +80,19 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays.
+        // Reflected and refracted rays and their hits. Behind these hits, a lens may see hidden surfaces.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if `w_bend`, the nonlinear motion over the lens, is measured at the points `bent`.
+        // Used only if `w_bend` is measured: how nonlinearly the image of a surface point moves when the lens
+        // point moves. `bent` lists the surface points for which it is measured.
         // bounces[ray.differentials] lists the objects on which a ray bounced.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Hits for which several rays are averaged: over a glossy lobe (`lobes`) or an area light
-        // (`extents`).
+        // Surface hits whose radiance is the mean of several rays, sent into a glossy lobe or to points of an
+        // area light.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -116,17 +117,20 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
-    // Adds the eye rays to the first generation. `with_hidden` states that hidden surfaces will be traced.
+    // Adds the eye rays to the first generation of rays. If `with_hidden` is true, their first hits are kept,
+    // because hidden surfaces are searched for behind them later.
     void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
-    // Leaves out exits from glass, because the transmitted ray finds what is behind.
+    // Does not store hits at which a ray leaves glass, because the transmitted ray finds the surfaces behind
+    // them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces the hidden surfaces that are seen in mirrors or through glass.
-    // Each starts its own layer of records, which does not repeat the mirror or glass.
+    // The records of each such surface form a new layer. The mirror or glass is not recorded again in this
+    // layer.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
@@ -149,11 +153,13 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a surface point to measure `w_bend`, its nonlinear motion over the lens, unless the motion is
-    // linear. `s` is null if the ray hit nothing.
+    // Stores a surface point for which `w_bend` is measured later: how nonlinearly the image of the point
+    // moves when the lens point moves. Points whose image moves linearly are not stored.
+    // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` from earlier samples nearby. Points without an estimate remain in w.bent.
+    // Estimates `w_bend` of the surface points in w.bent from earlier samples nearby, and removes the points
+    // whose estimate succeeds. The remaining points must be measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;

@@ -1,5 +1,9 @@
-// Completes the shading trees once all rays are traced: adds the means over glossy lobes and area lights,
-// measures the nonlinear image motion `w_bend`, and converts surface hits to records.
+// Completes the shading trees (all surfaces that an eye ray, its reflections and refractions hit) after
+// tracing:
+// - adds the means over glossy lobes and area lights
+// - measures `w_bend`, i.e. how nonlinearly the images of mirrored or refracted surfaces move with the lens
+//   point
+// - converts surface hits to records
 #include <algorithm>
 #include <array>
 #include <cstddef>
