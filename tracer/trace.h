@@ -29,8 +29,8 @@ struct TraceSettings {
     /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
     /// Between two recorded instants, a turning object shows parts that neither instant records. If `keys` is
-    /// absent, instants are recorded so often that no object turns by more than this angle, degrees, relative
-    /// to the camera, from one to the next.
+    /// absent, this is the largest turn, degrees, of an object relative to the camera between recorded
+    /// instants.
     /// At 15 degrees, the unrecorded part of a turning ball is 0.9 % of its radius wide (1 - cos 7.5
     /// degrees).
     double degrees_per_key = 15;
@@ -48,9 +48,9 @@ struct TraceSettings {
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Value of `narrow_strip_px` for methods that also trace rays. Narrower strips of hidden surfaces need
-    /// not be recorded, because these methods trace rays at the edges of objects, half a pixel to a pixel on
-    /// each side.
+    /// Value of `narrow_strip_px` for methods that also trace rays. A strip of a hidden surface up to this
+    /// width need not be recorded. These methods trace rays at the edges of objects anyway, half a pixel to a
+    /// pixel on each side.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets its `lens_radius_m` for the f-number `for_f_number`, or else the camera's, or else
@@ -86,8 +86,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or all
-    /// narrow objects together need too many cells.
+    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or there
+    /// are so many narrow objects that not all get small cells.
     /// Without subdivision, counts all objects narrower than 1.5 px.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;

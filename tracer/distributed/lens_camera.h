@@ -49,8 +49,8 @@ class LensCamera {
     /// Adds 16 rays with unit directions to the batch.
     /// If the lens may block light (`loses_rays`), appends each ray's transmittance to `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Returns true if the lens may block some light. If false, every ray has full weight, and add_rays does
-    /// not change `weights`.
+    /// Returns true if the lens may block a part of the light. If false, all rays have weight 1, and add_rays
+    /// appends nothing to `weights`.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.
@@ -61,9 +61,9 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// The ray for image position (x, y) starts at the lens point `unit`, given in lens radii. Returns the
-    /// raster position, px, at which a pinhole sees the point of this ray at distance `t`, m. Not for cameras
-    /// with a lens prescription.
+    /// Returns the raster position, px, at which a pinhole sees the point at distance `t`, m, on a ray
+    /// through the lens. The ray belongs to image position (x, y) and starts at the lens point `unit`, given
+    /// in lens radii. Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x

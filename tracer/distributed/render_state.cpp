@@ -76,9 +76,8 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with each of a pixel's sums of radiance. Each block of samples has three sums: red, green
-/// and blue.
-/// The order is that of the channels in the file.
+/// Calls `visit` with all sums of radiance of a pixel: the red, green and blue sum of each block of samples.
+/// Their order is that of the channels in the file.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();

@@ -28,8 +28,8 @@ struct RenderState {
     /// row-major.
     /// A half has either one sum of all its samples or one sum for each block of samples.
     std::array<std::vector<double>, 2> sums;
-    /// For each half, the sum of the block of samples that is not yet complete. A complete block is added to
-    /// `sums`.
+    /// For each half, the sum of the block of samples that is not yet complete. It is added to `sums` when
+    /// the block is complete.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

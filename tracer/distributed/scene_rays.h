@@ -13,8 +13,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines` is the largest number of rays per pixel. SightLine::view numbers the rays of a pixel, and
-    /// thereby selects their stratified samples of lights and glossy lobes.
+    /// `lines` is the largest number of rays per pixel, which SightLine::view numbers. The random samples of
+    /// lights and glossy lobes are stratified over the rays of a pixel.
     /// Keeps a reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);

@@ -45,8 +45,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the vector, m, from `point` to the nearest point of ray k, one of the beam's four rays from
-    /// the corners of a cell.
+    /// The beam consists of four rays, one from each corner of a quadtree cell. Returns the vector, m, from
+    /// `point` to the nearest point of ray k.
     /// Its components are along `right` and `down`, perpendicular to the beam's axis.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
@@ -60,8 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// An image of a bright object in a mirror or in glass is searched for only if its radiance exceeds this
-/// value (white is 1). The sRGB value is then more than 1/8.
+/// Images of bright objects in mirrors and glass are searched for only if their radiance exceeds this value.
+/// White has the radiance 1. The sRGB value of 0.0144 is 1/8.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -82,9 +82,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Each image of a bright object needs many quadtree cells. To limit their number, assumes that every
-    // mirror or glass object shows two images of each bright object, and keeps only as many objects as are
-    // affordable.
+    // Each image of a bright object needs many quadtree cells. To limit their number, only as many bright
+    // objects are kept as are affordable. Each is assumed to appear twice in every mirror or glass object.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -123,9 +122,9 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // The vector, m, from the bright object's centre to the nearest point of a ray through the cell is
-        // approximated by middle + by_cell * position. Here `position` is where the ray crosses the cell, in
-        // cell widths from the cell's centre.
+        // Linear model: a ray crosses the cell at `position`, in cell widths from the cell's centre. The
+        // vector, m, from the bright object's centre to the nearest point of this ray is about middle +
+        // by_cell * position.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -135,8 +134,9 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell extends from -0.5 to 0.5 cell widths around its centre. Both margins, 0.05 cell widths and
-        // 10 % of the image's size, allow for errors of this linear approximation.
+        // `image` is the centre of the bright object's image and `reach` its half size, in cell widths from
+        // the cell's centre. The cell ends at 0.5. The limit is larger, and so is 1.1 * reach, to allow for
+        // errors of the linear model.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

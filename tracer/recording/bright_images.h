@@ -38,8 +38,8 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small quadtree cells must be so that no bright object's image in a mirror or in glass is
-    /// missed within a cell of width `size_px`, in px.
+    /// Returns how small quadtree cells must be so that no image of a bright object in a mirror or in glass
+    /// is missed. Such images are searched for in a cell of width `size_px`, in px.
     /// `at` holds the rays from the cell's four corners, row by row, after the same reflections and
     /// refractions.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;

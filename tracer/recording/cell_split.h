@@ -96,8 +96,8 @@ class CellSplit {
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// Returns true if all corners show the same part of an object, but the outline of another part crosses
-    /// the cell in front of it. Both may be parts of one object.
+    /// Returns true if an outline crosses the cell although all corners show the same part of an object. The
+    /// outline belongs to a part in front of it, of the same object or of another one.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s` holds the shading trees at the cell's corners.

@@ -23,8 +23,8 @@ void CornerRecords::emit(const CornerGrid& grid, std::span<const CornerSample> s
     };
     const std::size_t pixels =
         static_cast<std::size_t>(y_end - y_begin) * static_cast<std::size_t>(grid.columns);
-    // Counts the samples and records of each pixel. From these numbers follows where each pixel begins in a
-    // sample file, which is sorted by pixel.
+    // Counts the samples and records of each pixel. A sample file is sorted by pixel, so these numbers
+    // determine where each pixel begins.
     std::vector<std::uint32_t>& first = first_;
     first.assign(pixels + 1, 0);
     out.offsets.assign(pixels + 1, 0);

@@ -183,8 +183,8 @@ class BandSampler {
         });
     }
 
-    // Stores a sample that was already traced for the band of pixel rows above, on the edge that both bands
-    // share.
+    // Stores a sample on the edge between this band of pixel rows and the band above. It was already traced
+    // for the band above.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {

@@ -25,8 +25,8 @@ using glm::dvec3;
 // A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes change the scale of an object, at least one recorded instant must show it at this fraction of
-// its largest scale or more.
+// If keyframes change the scale of an object, at least one recorded instant must show the object large: at
+// this fraction of its largest scale, or more.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -212,9 +212,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // If the camera enters the object's bounding box, it sees other surfaces from inside than from
-        // outside. So the time spans inside and those outside, with the object ahead, both need recorded
-        // instants.
+        // The camera sees other surfaces from inside an object than from outside. If the camera enters the
+        // object's bounding box, both the time spans inside and those outside need a recorded instant.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {

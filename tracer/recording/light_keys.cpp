@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of images made from few recorded instants: `recorded_s`, and one of
-    /// every `between` time steps of the shutter interval. If `between` is 0, only `recorded_s` is recorded.
+    /// Returns the predicted PSNR, dB, of images made from few recorded instants: `recorded_s` and every
+    /// `between`-th time step of the shutter interval. If `between` is 0, only `recorded_s` is recorded.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))

@@ -33,8 +33,8 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns true if the outline of another part crosses a square of the image and is nearer to the camera
-    /// than the part `shown`, which is visible in the square.
+    /// Returns true if the outline of another part crosses a square of the image in which the part `shown` is
+    /// visible. The outline must be nearer to the camera than `shown`.
     /// The square lies within one pixel. (x, y) is its upper left corner, and `size` its width, px.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 

@@ -31,8 +31,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns true if a surface that is seen at `at`, outside the frame, moves into the frame or closer to it
-// than one sample spacing, `step_px`.
+// A surface is seen at `at`, outside the frame. Returns true if it moves into the frame or closer to it than
+// `step_px`, the distance between samples.
 // If it comes so close, a part of it that lies between two samples may enter the frame.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {

@@ -30,9 +30,9 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Only for cones: half[0] is the axis. The other two half axes are multiplied by ends.x at one end of the
-    // axis, centre - half[0], and by ends.y at the opposite end, centre + half[0]. For all other shapes,
-    // ends.x = ends.y.
+    // Only for cones: half[0] is the axis. At its first end, centre - half[0], the other two half axes are
+    // multiplied by ends.x. At its second end, centre + half[0], they are multiplied by ends.y. For all other
+    // shapes, ends.x = ends.y.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -53,8 +53,8 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Returns the box of smaller surface area of two boxes that contain all points. One is parallel to the
-/// coordinate axes. The longest side of the other is turned towards the point farthest from the centre.
+/// Computes two boxes that contain all points, and returns the one with the smaller surface area. The first
+/// box is parallel to the coordinate axes. The second is turned towards the point farthest from the centre.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -339,16 +339,16 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // The outline of an elongated object crosses so many cells that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. There are now at least half as many pieces as allowed quadtree cells. A piece needs
-    // three cells or more, so all pieces need at least 1.5 times the allowed number of cells.
+    // Limits memory. Removes pieces if there are more than half as many as allowed quadtree cells. A piece
+    // needs three cells or more, so all pieces together then need more than 1.5 times the allowed cells.
     // So keep_affordable() removes a third of the pieces or more.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // The first term counts the cells of width find_px that cover the narrow object and a margin of one cell
-    // around it. The second term counts the cells of width outline_px along its outline.
+    // Number of quadtree cells. The first term counts cells of width find_px, which cover the narrow object
+    // and a margin of one cell around it. The second term counts cells of width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -426,8 +426,9 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // The corners of the cell are 0.7071 * size from its centre. So if the object is farther from the
-        // centre, it lies outside the cell. 0.7072 allows for rounding.
+        // The corners of the cell are 0.7071 * size from its centre, and the object reaches up to r.reach
+        // from its axis. If the axis is farther from the cell's centre than both together, they do not
+        // overlap. 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

@@ -22,7 +22,7 @@ namespace postlens {
 /// Each connected part of a mesh counts as an object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Objects up to this width, px, are searched for. On a wider object always lies the corner of a pixel,
+    /// Objects up to this width, px, are searched for. A wider object always covers a corner of a pixel,
     /// where an eye ray hits it.
     static constexpr double widest_px = 1.5;
     /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. Eye rays

@@ -14,8 +14,8 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// Returns which of the rows [y_begin, y_end) one of several runs traces. All runs trace the same number of
-/// rows, or one more.
+/// Returns which of the rows [y_begin, y_end) one of several runs traces. The numbers of rows of two runs are
+/// equal or differ by one.
 /// Throws Error(wrong_arguments) if there are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 

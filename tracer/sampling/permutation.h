@@ -46,9 +46,9 @@ class Permutation {
     }
 
   private:
-    /// Applies the bijection of [0, 2^bits) once, to all elements of x if `all` is true, otherwise only to
+    /// Applies the bijection of [0, 2^bits) once to elements of x: to all if `all` is true, otherwise only to
     /// those that are n or more.
-    /// Returns true if any element of x is then n or more, so that another step is needed.
+    /// Returns true if any element of x is then still n or more, so that another step is needed.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;

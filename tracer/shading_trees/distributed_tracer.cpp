@@ -23,23 +23,24 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the surface hit with clamped radiance (LimitedNode) to whose radiance the light is added.
+    /// Index of the surface hit with clamped radiance (LimitedNode) to whose radiance the light of this
+    /// shadow ray is added.
     /// If it is `no_node`, nothing is clamped, and the light is added to the radiance of the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is clamped. All its light is summed here first.
-/// The light above the clamp is not traced as rays, because it is added to the image as highlights
-/// (LightElsewhere).
+/// A surface hit whose radiance is clamped. Before it is clamped, the light of all light sources is summed
+/// here.
+/// The light above the clamp is added to the image later, as highlights (LightElsewhere).
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a surface hit, clamped to `eye.less->above`, to the radiance of the eye ray.
-/// If `counts` is true, the light above the clamp is added to `eye.left_out`.
+/// Adds the radiance of a surface hit to the radiance of its eye ray, but at most the limit
+/// `eye.less->above`. If `counts` is true, the light above this limit is added to `eye.left_out`.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;

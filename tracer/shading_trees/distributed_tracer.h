@@ -40,10 +40,10 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// Per ray, one surface point. If the list is not empty, only the light that `less` excludes at this
-    /// point is computed, and is added to `left_out`. Only the path to this point is traced, and `radiance`
-    /// is not computed.
-    /// If the list is empty, `left_out` is 0.
+    /// If not empty, holds one surface point per ray. Then only the light that `less` excludes at this point
+    /// is computed, and is added to `left_out`. Only the path to this point is traced, and `radiance` is not
+    /// computed.
+    /// If empty, `left_out` is 0.
     std::vector<NodeIdentity> left_out_of;
 };
 

@@ -22,8 +22,8 @@ class FilmMotion {
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, of a point of object `id` at the i-th predicted instant. Empty if the
-    /// point is then behind the camera.
+    /// Returns the raster position, px, of a point of object `id` at the i-th of the instants for which
+    /// positions are predicted. Empty if the point is then behind the camera.
     /// `point` is the world position, m, of the point at the recorded instant.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;

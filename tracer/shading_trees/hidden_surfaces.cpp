@@ -43,7 +43,7 @@ struct Chain {
     std::vector<Places> places;  // for each surface so far, its raster positions at all instants
     LensReach::Covers covers;    // inverse depths of the surfaces so far
 
-    // Clears all members, so that another ray can be followed. The vectors keep their memory.
+    // Resets this object, so that it can follow another ray. The vectors keep their memory.
     void restart(std::uint32_t of) {
         ray = of;
         beyond = goes_on = still = false;
@@ -175,8 +175,8 @@ class Follower {
         const bool first = c.layers == 1;
         // The image in a mirror or in glass is deeper than the mirror itself. So a lens sees more of this
         // image past an edge than of the mirror.
-        // The mirror therefore counts as seen if the lens would see any surface that is deeper than the
-        // covers.
+        // The mirror therefore counts as seen if the lens would see some deeper surface past the surfaces in
+        // front.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -192,8 +192,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`. This requires that each surface in front of `s` and `s`
-    // itself have different raster positions at some instant.
+    // Returns true if motion may uncover surface `s`. For this, each surface in front of `s` must have
+    // another raster position than `s` at some instant.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

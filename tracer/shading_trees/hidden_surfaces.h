@@ -31,8 +31,8 @@ struct HiddenLayers {
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only hidden surfaces that motion may reveal are returned, at most `most_uncovered` per
     /// ray.
-    /// Motion reveals a surface if, for each surface in front of it, there is an instant at which the two are
-    /// more than `same_place_px` apart on the raster.
+    /// Motion reveals a surface if each surface in front of it is, at some instant, more than `same_place_px`
+    /// away from it on the raster.
     const FilmMotion* motion = nullptr;
     /// If not null, hidden surfaces that a lens may see are also returned, whether it sees them directly or
     /// in mirrors and glass.

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns a hint for a search of the depth pyramid: where this thread's last search for a similar inverse
-/// depth ended.
-/// The new search is usually close by, and often ends in the same square of pixels.
+/// Returns a hint for a search of the depth pyramid (least and greatest depths in squares of pixels): where
+/// this thread's last search for a similar inverse depth ended.
+/// The new search is usually close by, and often ends in the same square.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
     thread_local std::array<MinMaxPyramid::Hint, 256> hints;
     const std::size_t depth =
@@ -126,9 +126,9 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search,
         return MinMaxPyramid::Cone{covers.at, radius, covers.farthest, least, edge_slope / k};
     };
     const auto edge_for = [&](double nearest) { return (seen.*search)(cone_for(nearest), hint); };
-    // edge_for(nearest) searches around the ray for an edge of the covers, the surfaces in front, past which
-    // the lens sees the hidden surface. The search radius is the shift between the images of the hidden
-    // surface and a surface with the inverse depth `nearest`.
+    // edge_for(nearest) searches around the ray for an edge of the covers, i.e. of the surfaces in front. The
+    // lens may see the hidden surface past this edge. The search radius is the shift between the images of
+    // the hidden surface and a surface with the inverse depth `nearest`.
     // It is called with up to three values:
     // - an upper bound of the inverse depths of all surfaces close to the ray, which rejects most rays
     // - the inverse depth of the nearest cover

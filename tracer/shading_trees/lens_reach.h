@@ -33,8 +33,8 @@ class LensReach {
     /// - The corners of all pixels that show a part of the strip must be included.
     static constexpr double margin_px = 2.5;
     /// Two positions in the image count as the sides of an edge if their surfaces differ enough in depth.
-    /// From the lens centre to its rim, the images of both surfaces must shift relative to each other by at
-    /// least this fraction of the distance between the positions.
+    /// When the lens point moves from the centre to the rim, the images of the two surfaces shift relative to
+    /// each other. This shift must be at least this fraction of the distance between the positions.
     /// A plane reaches this value only if it is so oblique that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.

@@ -18,8 +18,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight of a ray in the mean over the glossy lobe of a neighbouring hit. Neighbouring hits share
-// their rays.
+// Neighbouring hits share the rays into their glossy lobes. This is the largest weight that a ray sent for
+// one hit gets in the mean of another hit.
 // A weight is high where the lobe for which the ray was sent has a low density. High weights cause noise.
 constexpr double most_weight = 8;
 
@@ -32,8 +32,8 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
 
 // A ray sent for hit b also counts in the mean over the glossy lobe of hit a. Returns a factor of its weight
 // there.
-// The factor falls from 1 for hits at the same raster position to 0 for hits `reach_px` apart, so that the
-// mean is continuous over the image.
+// The factor is 1 if both hits have the same raster position, and falls to 0 at a distance of `reach_px`. So
+// the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -42,7 +42,7 @@ double window(const LobeHit& a, const LobeHit& b) {
 
 // Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
 // index, so that hits close together get successive sample points, which are stratified.
-// The hits of one batch are so close together that 16 bits per coordinate suffice.
+// 16 bits per coordinate distinguish positions within 16384 px, which is enough for a batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -204,8 +204,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // If `weight` is NaN (0 times an infinite bound), std::min returns `count`. So as many test rays are
-        // sent as the group has hits.
+        // If `weight` is NaN (0 times an infinite bound), std::min returns `count`. So as many test rays
+        // (pilots) are sent as the group has hits.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);

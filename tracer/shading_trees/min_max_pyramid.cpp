@@ -103,9 +103,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // The stack holds the squares that are still to be searched. There are at most 9 at the first level, and
-    // at most three parts of a square at each of up to 31 levels below. 9 + 3 * 31 = 102, so 128 entries
-    // suffice.
+    // The stack holds the squares that are still to be searched. There are at most 9 at the first level.
+    // Below it are at most 31 levels, each with at most three parts of a square. 9 + 3 * 31 = 102, so 128
+    // entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;

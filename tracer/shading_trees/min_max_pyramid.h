@@ -1,5 +1,5 @@
 // A raster of values, in which a value below a limit is quickly found near a position.
-// The limit falls with the distance from the position. So the positions and values that are searched form a
+// The limit falls with the distance from the position. So the search region, in position and value, is a
 // cone.
 #pragma once
 
@@ -15,9 +15,8 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Search region for values well below `top` near the position `at`. A value at a distance d <= radius
-    /// from `at` belongs to the region if it is less than `top` by at least `least` and also by at least
-    /// slope * d.
+    /// Search region for values well below `top` near the position `at`. It contains a value at a distance d
+    /// from `at` if d <= radius and the value is at most top - least and at most top - slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -46,8 +45,8 @@ class MinMaxPyramid {
     /// Returns the greatest value within `radius` of `at`, or `floor` if all are less.
     /// Values up to 9/8 of the radius away may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of the greatest value within `radius` of `at`, or `floor` if this bound is less
-    /// than `floor`. It is computed fast from only a few squares of the pyramid.
+    /// Returns an upper bound of greatest(at, radius, floor), i.e. of the greatest value within `radius` of
+    /// `at`, or of `floor` if all are less. It is computed fast from only a few squares of the pyramid.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:

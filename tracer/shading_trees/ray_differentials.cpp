@@ -13,7 +13,8 @@ using glm::dvec3;
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // Limits the entries of W to 1e30, which a float can store. W is unbounded where rays converge.
+    // Limits the entries of the matrix W to 1e30, which a float can store. W is unbounded where rays
+    // converge.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
         return static_cast<float>(std::isfinite(v) ? std::clamp(v, -1e30, 1e30) : 1e30);

@@ -26,8 +26,8 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 // Rays from two lens points are traced first. The matrix W predicts these rays linearly. If both rays differ
-// from their prediction by at most this fraction of `settled_px`, the rays from the opposite lens points are
-// skipped.
+// from their prediction by at most this fraction of `settled_px`, no rays from the opposite lens points are
+// traced.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
@@ -195,7 +195,8 @@ struct Search {
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
     /// Returns the difference between the ray's tangent and the tangent that W predicts, plus the remaining
-    /// error of Newton's method. Infinite if no ray was found. Not for a ray that is `hidden`.
+    /// error of Newton's method. Infinite if no ray was found. Not for a ray that hit another object or
+    /// nothing (`hidden`).
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -208,7 +209,7 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a surface point is lost, the measured `w_bend` of this point is infinite. So all
+        // If one ray to a surface point is lost, the result for this point, `w_bend`, is infinite. So all
         // further rays to it are skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
@@ -233,8 +234,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the ray with the largest departure from its prediction counts for a surface point. So the
-            // Newton search for a ray ends if its departure is certainly smaller.
+            // Only the ray with the largest departure from its linear prediction counts for a surface point.
+            // So the Newton search for a ray ends early if its departure is certainly smaller.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -279,8 +280,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens has reached the surface point. Its `w_bend` is unknown
-    // and is set to infinity.
+    // A negative value means that no ray from the lens has reached the surface point. The result for this
+    // point, `w_bend`, is then unknown and is set to infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

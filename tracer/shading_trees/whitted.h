@@ -75,8 +75,8 @@ struct TracedSamples {
     std::vector<std::uint32_t> offsets;
     /// For each record, the part of its radiance (r, g, b) that has sampling noise:
     /// - the means over glossy lobes, which are estimated with random rays
-    /// - the light of an area light in its penumbra, of which only the difference from a noise-free estimate
-    ///   counts (ExtentLit::steady)
+    /// - in the penumbra of an area light, the difference between its sampled light and a noise-free estimate
+    ///   (ExtentLit::steady)
     ///
     /// Empty if no record has noise.
     std::vector<glm::vec3> noisy;
@@ -110,8 +110,9 @@ class WhittedTracer {
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
     /// `w_bend` measures how nonlinearly the image of a surface moves when the lens point moves. It is
-    /// estimated from nearby samples (bend_around), normally only if their values are similar.
-    /// If their values displace the image by less than this, px, for every lens point, they may also differ.
+    /// estimated from nearby samples (bend_around) if their values are similar.
+    /// If their values displace the image by less than this, px, for every lens point, the estimate is also
+    /// made from values that differ.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -158,8 +158,8 @@ struct WhittedTracer::Impl {
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` of the surface points in w.bent from earlier samples nearby, and removes the points
-    // whose estimate succeeds. The remaining points must be measured.
+    // Estimates `w_bend` of the surface points in w.bent from earlier samples nearby, instead of measuring
+    // it. Points for which this succeeds are removed from w.bent, and those that remain are measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
