@@ -39,6 +39,7 @@ class CellSplit {
     ///   division.
     /// - `gap`: the cell shows several parts of one object or the outline of another part, but the limit
     ///   `edge_levels` forbids further division.
+    ///
     /// Thread-safe.
     void mark_leaf(const CornerCell& c) const;
 
