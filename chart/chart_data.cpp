@@ -268,12 +268,14 @@ std::string chart_markdown(const ChartData& data) {
     out +=
         fmt::format("\nThe lens or the shutter affects {:.0f} % of the pixels.", 100 * data.affected_share);
     if (data.noise_rms)
-        out += fmt::format(" The reference took {:.3g} s. Its own noise corresponds to a PSNR of {:.1f} dB.",
-                           data.reference_s, -20 * std::log10(*data.noise_rms));
+        out += fmt::format(
+            " The reference image took {:.3g} s. Its own noise corresponds to a PSNR of {:.1f} dB.",
+            data.reference_s, -20 * std::log10(*data.noise_rms));
     if (data.record_floor)
         out += fmt::format(
-            " The pinhole image made from the records has a PSNR of {} dB against the pinhole image made by "
-            "rays.",
+            " A pinhole image made from the sample file has a PSNR of {} dB, compared with a pinhole image "
+            "made "
+            "by rays.",
             db_text(*data.record_floor));
     out += "\n\n| trace | s | million records | MB |\n|---|---|---|---|\n";
     for (const ChartTrace& t : data.traces) {

@@ -102,8 +102,9 @@ const std::vector<AtlasCause>& atlas_causes() {
          "Occlusion is computed wrongly: the method mixes surfaces without a depth test at each point of the "
          "lens."},
         {"curvature-of-W",
-         "W describes how images in mirrors and glass move with the lens point, linearly from the centre of "
-         "the lens. Far from the centre, the images move differently."},
+         "The matrix W describes how images in mirrors and glass move when the lens point moves away from "
+         "the "
+         "centre of the lens. It is a linear approximation, so it is wrong far from the centre."},
         {"view-dependent-shading",
          "The colour of a point depends on the lens point and the instant from which it is seen. The records "
          "have the colour for the pinhole and the frame's instant."},

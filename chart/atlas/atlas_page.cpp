@@ -47,7 +47,11 @@ std::string view_text(const ChartRequest& v) {
     if (v.focus_m)
         out +=
             std::isfinite(*v.focus_m) ? fmt::format(", focus {:.4g} m", *v.focus_m) : ", focus at infinity";
-    if (v.shutter) out += fmt::format(", shutter {:.4g} to {:.4g} s", v.shutter->open_s, v.shutter->close_s);
+    if (v.shutter && v.shutter->open_s == v.shutter->close_s) {
+        out += fmt::format(", shutter opened and closed at {:.4g} s", v.shutter->open_s);
+    } else if (v.shutter) {
+        out += fmt::format(", shutter {:.4g} to {:.4g} s", v.shutter->open_s, v.shutter->close_s);
+    }
     return out;
 }
 
@@ -80,11 +84,15 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
 /// Returns the caption of an atlas case: scene, camera, the percentage of pixels that the blur changes, and
 /// the share of the error that is due to the expected cause.
 std::string caption(const AtlasEntry& e) {
-    std::string out = fmt::format("Scene {}. {:.0f} % of the pixels differ from the pinhole image.",
-                                  view_text(e.what.view), 100 * e.result.affected_share);
+    const double affected = 100 * e.result.affected_share;
+    std::string out =
+        fmt::format("Scene {}. {} % of the pixels differ from the pinhole image.", view_text(e.what.view),
+                    affected < 0.5 ? "Fewer than 0.5" : fmt::format("{:.0f}", affected));
     if (e.result.named_share) {
-        out += fmt::format(" This section's cause accounts for {:.0f} % of the squared error.",
-                           100 * *e.result.named_share);
+        out += fmt::format(
+            " `compare --map-causes` attributes {:.0f} % of the tested method's squared error to the cause "
+            "`{}`.",
+            100 * *e.result.named_share, e.what.cause);
     }
     return out;
 }

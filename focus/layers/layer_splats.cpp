@@ -107,8 +107,7 @@ void LayerSplats::store(int y, UnsortedRow& made) {
         made.splats.resize(kept);
         made.part.resize(kept);
     }
-    // The row is copied, not moved, to save memory: the copy has no spare capacity.
-    rows_[index] = made;
+    rows_[index] = sorted(made);
 }
 
 // Sorts the samples of a row by surface, then by square of 64 x 64 px.
