@@ -114,9 +114,23 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
+    /// True if depths change so little between two neighbours that such changes over a whole ramp make no
+    /// edge: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    [[nodiscard]] static bool is_even(float a, float b) {
+        constexpr double most = 1.0 / 60;
+        const auto x = static_cast<double>(a), y = static_cast<double>(b);
+        return std::abs(x - y) <= most * std::min(std::abs(x), std::abs(y));
+    }
+
     void look_along(std::size_t first, std::size_t stride, std::size_t count, Edges& out) const {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
+        std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
+            // Most pixels are far from an edge, so no length needs to be tried.
+            const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
+            even_end = std::max(even_end, begin);
+            while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
+            if (even_end == last) continue;
             for (std::size_t length = 0; length <= longest_ramp && begin + length + 2 < count; ++length) {
                 const std::size_t end = begin + length + 1;
                 const float a = at(begin), b = at(end);

@@ -52,9 +52,8 @@ std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const Foreign
     std::vector<std::vector<std::size_t>> of_rows(height);
     parallel_for(height, [&](std::size_t row) {
         for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
-            if (is_rim(at(picture.x_begin + static_cast<int>(i % width),
-                          picture.y_begin + static_cast<int>(row))))
-                of_rows[row].push_back(i);
+            const auto stack = picture.stack_of(i);
+            if (!stack.empty() && is_rim(stack.data())) of_rows[row].push_back(i);
         }
     });
     std::vector<std::size_t> rims;
