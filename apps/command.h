@@ -93,8 +93,8 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// The scene into which a command traces rays. The image `explain` shows which pixels come from records and
-/// which from rays.
+/// Options for tracing rays into a scene file. `explain` is the path of an output image that shows which
+/// pixels come from the sample file and which from rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
@@ -113,8 +113,8 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Pointers to the names of background images and object masks, in which a placeholder is replaced by the
-    /// frame number.
+    /// Returns pointers to the names of the files with background images and object masks. The caller
+    /// replaces the placeholder for the frame number, such as %04d, in these names.
     [[nodiscard]] std::vector<std::string*> files();
     /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
@@ -135,8 +135,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR, in dB, that the method `auto` tries to reach. Default: 40 dB, or none if takes_usual_method() is
-    /// true.
+    /// PSNR, in dB, that the method `auto` tries to reach. The default is 40 dB. If takes_usual_method() is
+    /// true, there is no target, because `auto` then does not measure the error.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -307,16 +307,18 @@ struct ResolvedLens {
 /// Error(wrong_arguments) if the user has also given a focal length.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the interval in which the shutter is open: `asked`, or else that of the file. With `from_frame`,
-/// `asked` is relative to the frame's instant. Throws Error(wrong_arguments) if there is no interval.
+/// Returns the interval in which the shutter is open: `asked` if it is given, otherwise the interval stored
+/// in the sample file. With `from_frame`, the times in `asked` count from the instant of the frame instead of
+/// 0. Throws Error(wrong_arguments) if neither `asked` nor the file states an interval.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
 /// Warns if the aperture or the exposure interval is larger than those for which the sample file was traced.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays fill in what
-/// was not recorded. Throws if the scene refers to the output file `picture`.
+/// Makes an image by the method hybrid, which reprojects the samples of the sample file. If `retrace` has a
+/// scene, rays fill in what the file does not contain. Throws if the scene refers to the file `picture`, the
+/// path of the output image.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);

@@ -20,8 +20,8 @@ namespace postlens {
 [[nodiscard]] double exposure_of_scene(const ExposureOption& asked, const Scene& scene,
                                        const std::string& camera_name, const CameraOverrides& camera);
 
-/// Returns the exposure, in stops, at which to read another program's image. For `auto`, it is the automatic
-/// exposure of `picture()`. Without the option, it is 0.
+/// Returns the exposure, in stops, at which to read another program's image. For `auto`, it is computed from
+/// the image that the function `picture` returns. Without the option --exposure, it is 0.
 template <typename Picture>
 [[nodiscard]] double exposure_of_picture(const ExposureOption& asked, const Picture& picture) {
     return asked.automatic ? auto_exposure_of(picture()) : asked.stops.value_or(0);

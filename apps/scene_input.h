@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// Reads a scene. Adds a warning for everything that the reader assumes or leaves out. Throws the errors of
-/// read_scene, and Error(wrong_arguments) if the scene refers to an output file, listed in `written`.
+/// Reads a scene. Adds a warning to `out` for everything that the reader assumes or leaves out. Throws the
+/// errors of read_scene. `written` lists the files that the command will write. Throws Error(wrong_arguments)
+/// if the scene refers to one of them.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);

@@ -62,8 +62,8 @@ class Digests {
         for (const fs::path& file : files) {
             std::error_code none;
             now.files.emplace_back(file, fs::last_write_time(file, none));
-            // A file's hash is cached only if the file is older than 2 s: a file that changes again within 2
-            // s may keep its time stamp.
+            // Caches a file's hash only if the file was last changed more than 2 s ago. A file that changes
+            // twice within 2 s may keep its time stamp, so the cached hash could be wrong.
             constexpr std::chrono::seconds long_enough(2);
             if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
         }

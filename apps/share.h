@@ -49,28 +49,31 @@ struct AskedFor {
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the digest of a scene that the command has read, so that AskedFor::fingerprint need not read it
-/// again.
+/// Stores the hash of a scene that the running command has read. AskedFor::fingerprint then need not read the
+/// scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
 /// Returns the mark by which `merge` recognises the result file of a share. It is JSON: the share, the crop
 /// of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share that a mark (the JSON in a result file) describes. Returns an empty value if the text is
-/// no such JSON.
+/// Each machine that divides the work with others writes a mark into its result file: JSON that states its
+/// share. Returns this share, or an empty value if the text is no such JSON.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns the mark (description in JSON) of a set of items, such as the images of a sweep. `merge` runs the
-/// command again with the arguments `words` to join the results.
+/// Returns the mark of one machine's share of the images of a sweep or the points of a chart. A mark is JSON
+/// in the result file that describes the share and the command. It contains the command-line arguments
+/// `words`, so that `merge` can run the command again to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
-/// Returns the arguments in `mark`, or nothing if there are none or they are damaged. In a mark, % and bytes
-/// that are not ASCII are written as %XX, because JSON must be UTF-8.
+/// Returns the command-line arguments that `mark` contains, or nothing if there are none or they are damaged.
+/// A mark is JSON that describes one machine's share of the work. JSON must be UTF-8, so % and bytes that are
+/// not ASCII are written as %XX.
 [[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
-/// Limits `crop` to the rows of the share, and sets the mark of `work`, by which `merge` recognises the
-/// result. Does nothing if `work` is empty.
+/// If several machines divide an image, limits `crop` to the rows that this machine makes. Also sets
+/// `work->mark`, the JSON by which `merge` later recognises the result. Does nothing if `work` is empty, i.e.
+/// if the work is not divided.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
 /// Returns the first setting in which two fingerprints differ, with its name and both values. The text is

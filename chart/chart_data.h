@@ -31,7 +31,8 @@ struct ChartFigures {
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file from which the methods of a chart make images, and its tracing time in seconds.
+/// A sample file, and the time in seconds that it took to trace. Methods make images from this file, and a
+/// chart compares their errors and times.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -40,15 +41,16 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the curve to which the point belongs: the method, and the sample file unless it has the most
-    /// records.
+    /// Name of the chart's curve to which the point belongs: the name of the method, followed by that of the
+    /// sample file. The most detailed sample file is the usual one, so its name is left out.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image if one call makes many images, per round: for the first one, with reading the file,
-    /// and for each further one. Empty if not timed.
+    /// Seconds per image if one call makes many images, with one value for each repetition of the
+    /// measurement. `first_of_many_s` are the times of the first image, including reading the file, and
+    /// `further_s` those of each further image. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -56,8 +58,9 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the seconds per image if `pictures` images share one trace, made by single calls or a sweep,
-    /// whichever is faster. `pictures` may be infinite.
+    /// Returns the seconds per image if `pictures` images are made from the sample file `from`, whose tracing
+    /// time they share. The images are made by one command each or by one sweep, whichever is faster.
+    /// `pictures` may be infinite.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

@@ -1,4 +1,5 @@
-// The plan of a chart: the sample files to trace, and the methods to run.
+// The plan of a chart, which compares the errors and times of several methods. It lists the sample files to
+// trace, and the methods to run.
 #pragma once
 
 #include <string>

@@ -67,8 +67,9 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points (methods with settings) to measure, and the traces that they need. A share measures
-/// every N-th point. The first trace is always included, because it gives the pinhole image.
+/// Returns the points (methods with settings) to measure, and the sample files that they need. If N machines
+/// divide the work, each measures every N-th point. The first sample file is always included, because the
+/// pinhole image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -102,8 +103,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // Scenes are traced first, because the methods and the pinhole image need sample files. The pinhole
-        // image shows which pixels blur affects.
+        // Traces the sample files first, because all images are made from them, including the pinhole image.
+        // A comparison with the pinhole image shows which pixels the blur changes.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -259,7 +260,7 @@ class Runner {
     }
 
     // Returns the error of the sample file's pinhole image against a ray-traced one. It is not 0, because
-    // corner samples only approximate a pixel's integral.
+    // samples at the corners of pixels only approximate the mean colour of a pixel.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();

@@ -1,4 +1,5 @@
-// Measures the methods and settings of a chart in rounds. An interrupted run resumes.
+// Measures the time and the error of the methods in a chart. The times are measured several times, in rounds.
+// An interrupted run can be resumed.
 #pragma once
 
 #include <filesystem>

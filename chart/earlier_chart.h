@@ -17,22 +17,23 @@ namespace postlens {
 /// number of rounds and the choice of points are not included.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the earlier charts whose measurements a new run keeps. A run of the whole chart also uses its
-/// shares (parts) in `folder`. `chart` comes last, if it exists.
+/// Returns the files with earlier measurements that a new run uses instead of measuring again. If the run
+/// measures all points, this includes the files *.I-of-N.json in `folder`, which several machines wrote.
+/// `chart`, the run's own file, comes last if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds an earlier chart's measurements to `data`. If both contain the same point, the one with more rounds
-/// is kept. Returns true if the chart was measured on another machine.
+/// Adds the measurements of an earlier chart, stored in `path`, to `data`. If both contain the same point,
+/// the one measured in more rounds is kept. Returns true if the chart was measured on another machine.
 ///
-/// A chart with another chart_key is ignored. If it is the run's own (`own`), Error(wrong_arguments) is
-/// thrown.
+/// A chart with another chart_key (another scene or view) is ignored. But if `own` is true, `path` is the
+/// file that this run will write, and Error(wrong_arguments) is thrown.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts the traces and measured points of a chart into the order of its plan. Adds empty entries for missing
-/// ones.
+/// Sorts the measurements in `data` into the order of the plan: the sample files (traces) and the points
+/// (methods with settings). Adds an empty entry for each one that is missing.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

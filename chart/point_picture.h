@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Makes the images that a chart compares. `retraced` receives the fraction of an image that is computed by
-/// rays, and `warnings` the codes of warnings.
+/// Makes the images whose errors a chart compares. Its functions write the fraction of the image that is
+/// computed by rays to `retraced`, and short names of warnings to `warnings`.
 class PointPictures {
   public:
     /// Keeps references to all arguments.
@@ -25,7 +25,8 @@ class PointPictures {
     /// the file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes the image of a point of the chart through the given lens, from the opened sample file `frame`.
+    /// Makes the image for a data point of the chart, i.e. by its method with its settings. Uses the given
+    /// lens and the open sample file `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -17,8 +17,9 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's thread limit, by default one per core, to the number of threads of the largest existing job.
-/// Smaller jobs are limited by their own TBB arenas.
+/// Raises TBB's limit for the number of threads of the process, which is one per core by default. The new
+/// limit is the number of threads of the job that has the most. TBB arenas limit the threads of the other
+/// jobs.
 class WidestJob {
   public:
     void add(int threads) {
@@ -94,8 +95,8 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // If all threads of the TBB arena are busy, another thread runs `work`. It must also know that it works
-    // for this job.
+    // TBB may run this lambda in another thread, if all threads of the arena are busy. JobScope makes that
+    // thread work for this job.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

@@ -87,8 +87,8 @@ class JobScope {
     Job* before_;
 };
 
-/// While this object exists, the calling thread works for an inner job of the current job, with the given
-/// number of threads.
+/// Limits the number of threads of the calling thread's parallel loops, while this object exists. For this,
+/// it creates an inner job of the current job, with the given number of threads.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}

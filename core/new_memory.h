@@ -1,4 +1,5 @@
-// Allocates large vectors. All threads share the first access to their memory.
+// Allocates large vectors faster, because all threads take part in the first write to each memory page, which
+// is slow.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +10,8 @@
 
 namespace postlens {
 
-/// Like values.reserve(count), but all threads write to the new memory of an empty vector. The first write to
-/// a page is slow. Use it for vectors that will be filled completely.
+/// Like values.reserve(count). But if the vector is empty, all threads write to its new memory in parallel,
+/// because the first write to each memory page is slow. Use it for vectors that will be filled completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;

@@ -30,12 +30,13 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit for each huge page, set if an allocated block has ended in it. The array takes 16 MB of address
-/// space, but hardly any memory.
+/// One bit for each huge page of the address space. It is set when a block has ended in this page, so that
+/// huge pages after such a block are requested only once. The array takes 16 MB of address space, but hardly
+/// any memory.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
-/// Requests huge pages for the addresses after a block, where malloc places the next blocks. It must precede
-/// the first write, which decides the size of a page.
+/// Asks the kernel for huge pages at the addresses after a block, because malloc will place the next blocks
+/// there. This must happen before the first write to these addresses, which decides the size of their pages.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -46,7 +47,8 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// Does nothing: a module must not change the heaps of the program that loads it.
+/// Does nothing if this code is built into a module that another program loads. A module must not change that
+/// program's heaps.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

@@ -1,6 +1,6 @@
-// Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. The kernel provides a huge
-// page (core/operator_new.cpp) only for addresses that belong to the heap before the first write. Memory that
-// is never written to costs nothing.
+// Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. Memory gets a huge page
+// (core/operator_new.cpp) only if the heap contains the whole page before the first write to it. Reserved
+// memory costs nothing until it is written to.
 //
 // This file is not part of the library, because its settings affect the whole process.
 #include <malloc.h>
@@ -10,12 +10,12 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // 64 MB is the size of a thread's heap, 32 MB the largest threshold that glibc allows. Threads thus keep
-    // unused memory, with its huge pages.
+    // A thread's heap has at most 64 MB. An M_TOP_PAD of this size lets it keep all unused memory, with its
+    // huge pages. 32 MB is the largest M_MMAP_THRESHOLD that glibc allows.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
-    // Keeps unused memory at the end of the main heap. By default, glibc returns more than 128 KB to the
-    // system, with its huge pages.
+    // Keeps up to 256 MB of unused memory at the end of the main heap. By default, glibc returns more than
+    // 128 KB to the system, and the program loses the huge pages of this memory.
     mallopt(M_TRIM_THRESHOLD, 256 * MB);
 #endif
     return true;

@@ -19,8 +19,8 @@ namespace postlens {
 /// is not a terminal that can show the bar.
 [[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
 
-/// A step of the current job. It reports its progress to the job's watcher, unless it is nested in another
-/// step.
+/// A step of the current job. It reports its progress to the job's watcher (a callback). A step that begins
+/// within another step does not report.
 class Progress {
   public:
     /// `total` is the number of units of work (for example rows) in this step.

@@ -15,8 +15,8 @@ struct Share {
     }
 };
 
-/// Whether a run computes missing items, such as images, or only joins those that earlier runs left in the
-/// folder. Each earlier run computed one share (part) of the items.
+/// Several earlier runs may each have computed a share of the items, such as images, in a folder. This
+/// setting states whether a run computes missing items, or only joins the results of the earlier runs.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

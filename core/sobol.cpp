@@ -22,8 +22,9 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the bit-reversed direction numbers of a dimension of the Sobol sequence. A point is the exclusive
-/// or of those for the bits that are set in its index.
+/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A point of
+/// the sequence is the exclusive or of some of these numbers. Number k is included if bit k of the point's
+/// index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -57,8 +58,9 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
     return x;
 }
 
-/// The sequence is linear over the bits of the index. A point is therefore the exclusive or of two table
-/// entries, for the lower and the upper ten bits.
+/// Tables for the points of a Sobol sequence, which is linear over the bits of the index. A point is
+/// therefore the exclusive or of two table entries. The lower ten bits of its index select an entry of `low`,
+/// the next ten bits one of `high`.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };
@@ -76,8 +78,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence: Pascal's triangle modulo 2, as a matrix, times the bits of the
-/// index. Each line below is one of its five factors.
+/// Returns dimension 1 of the Sobol sequence: a matrix (Pascal's triangle modulo 2) times the bits of the
+/// index. The matrix is the product of five matrices, and each line below multiplies by one of them.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -112,8 +114,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Table entries for the bit-reversed coordinates of consecutive samples. If the first index is a multiple of
-/// 16, the coordinate of sample i is low[i] ^ high.
+/// Values for computing one dimension of consecutive Sobol points. The index of the first point must be a
+/// multiple of 16. Then the coordinate of point i, from 0 to 15, is low[i] ^ high, with its bits reversed.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -10,8 +10,8 @@ namespace postlens {
 
 inline constexpr int sobol_dimensions = 5;
 
-/// Returns coordinate `dimension` (0 .. 4) of Sobol point `index` [joe2008], with its bits reversed. Bit 0
-/// selects one half of the unit interval, bit 1 one half of that half.
+/// Returns coordinate `dimension` (0 .. 4) of Sobol point `index` [joe2008], with its bits reversed. Bit 0 of
+/// the result is therefore worth 1/2, bit 1 is worth 1/4, and so on.
 [[nodiscard]] std::uint32_t sobol_reversed(int dimension, std::uint32_t index);
 
 [[nodiscard]] constexpr std::uint32_t reverse_bits(std::uint32_t x) {
@@ -46,8 +46,8 @@ void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, in
 /// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
-    /// `n` is the number of samples of a pixel, 1 .. 2^20. Sample indices are shuffled among the first 2^k,
-    /// the smallest power of two not less than n.
+    /// `n` is the number of samples of a pixel, 1 .. 2^20. Let 2^k be the smallest power of two not less than
+    /// n. Sample i uses the Sobol point p(i), where p is a random permutation of 0 .. 2^k - 1.
     explicit SobolPadding(std::uint32_t n);
     void fill_2d(SetKey key, int first, int lanes, float* u, float* v) const;  ///< a (0,2)-sequence
     void fill_1d(SetKey key, int first, int lanes, float* u) const;            ///< a (0,1)-sequence

@@ -9,14 +9,15 @@
 namespace postlens {
 namespace {
 
-/// Tests whether a pixel has a point sample (eye ray) at a given position. Hidden surfaces do not count.
+/// Tests whether one of a pixel's eye rays has a given position in the pixel. Eye rays do not hit hidden
+/// surfaces, so samples of hidden surfaces do not count.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// True if the pixel has a point sample (u, v) steps right of and below its upper left corner. A step is
-    /// 1 / position_steps px.
+    /// True if the pixel has a sample u steps to the right of its upper left corner and v steps below that
+    /// corner. A step is 1 / position_steps px.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -30,11 +31,12 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends the x positions of the lower left corners of all quadtree leaves (undivided cells) at the lower
-/// edge of a pixel. u is the left edge of the current cell, and `size` its width.
+/// Appends the left end of every quadtree leaf (undivided cell) that touches the lower edge of a pixel. Calls
+/// itself for the two lower quarters of a divided cell. The current cell begins at u and is `size` wide, both
+/// in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
-    // A quadtree cell is subdivided if its centre has a point sample.
+    // A divided cell has a sample at its centre, because the centre is a corner of its four quarters.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

@@ -1,4 +1,4 @@
-// Replaces the rows of a damaged sample file whose records cannot be read.
+// Replaces unreadable rows of a damaged sample file by samples of rays that hit nothing.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,15 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are records of rays that hit nothing, at the upper left corner of each pixel and at corners of the cells
-/// above it.
+/// are records of rays that hit nothing, at the upper left corner of each pixel. There are further ones at
+/// the lower corners of the quadtree cells in the row above, because these corners lie in row y.
 /// `above` contains the row above, or is null if it is lost or does not exist. `offsets` receives the index
 /// of each pixel's first record, as in RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Returns a band of the unreadable row y, with the records of stand_in_for_row.
+/// Returns a RecordBand (rows of records) that contains only row y, which is unreadable in the file. Its
+/// records are those that stand_in_for_row makes: rays that hit nothing.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.

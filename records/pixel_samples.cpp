@@ -11,8 +11,8 @@ namespace postlens {
 
 namespace {
 
-// Adds the records of hidden surfaces at the position of the sample. They are in the pixel that contains this
-// position.
+// Adds to `sample` the records of hidden surfaces at its position. They are stored in `band` with the pixel
+// that contains this position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));

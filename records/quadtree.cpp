@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps of 1 / position_steps px. A quadtree leaf (undivided cell) is at least one step
-/// wide.
+/// Width of a pixel, in steps of 1 / position_steps px. The smallest possible quadtree leaf (undivided cell)
+/// is one step wide.
 constexpr int pixel_steps = position_steps;
 
 /// Position within a pixel, in steps from its upper left corner. The right and lower edges are at
@@ -89,8 +89,9 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills the table with the point samples of pixel (x, y), including those on its right and lower edges.
-    /// Returns false if the quadtree is deeper than the table.
+    /// Enters the samples of pixel (x, y) into the table. It also enters samples on the right and lower edges
+    /// of the pixel, which are stored in neighbouring pixels. Returns false if the pixel's quadtree has more
+    /// levels than the table can hold.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -98,7 +99,9 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // add() fails for samples of a more finely subdivided neighbour, which pixel (x, y) does not need.
+        // The samples on the right edge are stored in the next pixel, which may be divided more finely than
+        // the table. add() then rejects samples between the table's positions. This is no error, because no
+        // cell of pixel (x, y) has a corner there.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -113,8 +116,8 @@ class PlacedSamples {
     }
 
   private:
-    /// 64 positions per edge suffice for six levels of quadtree subdivision. A larger table would not fit
-    /// into the processor's cache.
+    /// The table has 64 positions along each edge of a pixel, which suffice for six levels of quadtree
+    /// subdivision. A larger table would not fit into the processor's cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -236,8 +239,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Quadtree cells at the border of the rows may have corners above or below. These rows are read only to
-    // complete the cells.
+    // Quadtree cells next to the first or last row may have corners in the row above or below the requested
+    // rows. These two rows are read only to complete such cells.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -256,8 +259,9 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Corner c of a quadtree cell has the cell in its quadrant 3 - c. For
-                                       // example, the up-left corner (0) has it down-right (3).
+                                       // Corners of a cell and quadrants around a sample have the same order:
+                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from its
+                                       // corner c, a cell lies in the opposite quadrant, 3 - c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -13,23 +13,25 @@
 
 namespace postlens {
 
-/// A point sample: one eye ray through the pinhole. Its records are adjacent and have the same position. They
-/// are the surfaces that the ray and its reflections and refractions hit.
+/// A point sample: one eye ray through the pinhole. It has one record for each surface that the ray and its
+/// reflections and refractions hit. These records have the same position, and are adjacent in the list of
+/// records.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weights of the sample in the quadrants up-left, up-right, down-left and down-right. A quadtree cell
-    /// gives a quarter of its area, in px^2, to each corner.
+    /// Weights of the sample in the four quadrants around it: up-left, up-right, down-left and down-right. In
+    /// each quadrant, the sample may be a corner of a quadtree cell. The weight is a quarter of this cell's
+    /// area, in px^2.
     std::array<float, 4> weight{};
-    /// Edge length, in px, of the undivided quadtree cell in each quadrant, in the order of `weight`. 0 if no
-    /// cell there has a corner at this sample.
+    /// Edge length, in px, of the undivided quadtree cell in each quadrant around the sample, in the order of
+    /// `weight`. It is 0 if no cell in this quadrant has the sample as a corner.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. Samples are listed pixel
-/// by pixel, and sorted by y, then by x.
+/// Finds the point samples (eye rays) of rows y_begin to y_end - 1. Computes their weights, i.e. the areas of
+/// the image that they represent. Samples are listed pixel by pixel, and sorted by y, then by x.
 ///
 /// Only leaves (undivided quadtree cells) in pixel rows pixel_y_begin to pixel_y_end - 1 add to the weights.
 /// `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws

@@ -71,13 +71,14 @@ struct Mat2 {
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Flags of a record: interpolation between this record and its neighbours may miss detail.
+/// Flags of a record (sample). They warn that interpolation between this sample and its neighbours may miss
+/// detail.
 struct RecordMark {
     /// The texture changes from this sample to its neighbours, although they are as close together as the
     /// quadtree allows.
     static constexpr std::uint8_t fine_texture = 1;
-    /// Between this sample and its neighbours, there may be a gap in the object, or a part of a mesh that no
-    /// sample shows.
+    /// The object may have a gap between this sample and a neighbouring sample, or a part of its mesh that no
+    /// sample has hit.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -92,11 +93,11 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, the linear model of how a surface's image moves with the lens point, in 1/m^2. Seen from R
-    /// metres off the lens centre, the image is misplaced by about (film distance / pixel pitch) * w_bend *
-    /// R^2 px.
+    /// Error of the matrix W, in 1/m^2. W assumes that the image of the surface moves linearly with the lens
+    /// point from which it is seen. From a lens point R metres off the lens centre, W misplaces the image by
+    /// about g * w_bend * R^2 px. Here, g is the film distance / pixel pitch.
     /// The value is 0 if W is exact or its error was not measured. It is infinite if other lens points do not
-    /// see the surface along the same reflections and refractions.
+    /// see the surface by the same reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

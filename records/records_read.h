@@ -18,8 +18,9 @@ struct RecordsRead {
 };
 
 /// Passes rows y_begin to y_end - 1 to the callbacks, with the leaves (undivided cells) of their quadtrees.
-/// `band` must also contain row y_end. Only the last row of the file has no next row, and no leaves. Throws
-/// the errors of find_leaves and of the callbacks.
+/// `band` must also contain row y_end, because the lower corners of these cells lie there. Only the last row
+/// of the file has no next row, and therefore no leaves. Throws the errors of find_leaves and of the
+/// callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

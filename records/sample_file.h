@@ -69,11 +69,12 @@ enum class Damage {
 };
 
 /// Reads a sample file. Every function throws Error(invalid_input), with the name of the file, if the file is
-/// damaged or incomplete. Counts and windows are checked before memory is allocated.
+/// damaged or incomplete. Counts and image sizes in the file are checked before memory is allocated.
 ///
-/// With Damage::salvage, all records are checked when the file is opened. Samples whose rays hit nothing
-/// replace damaged rows (stand_in_for_row). A key (further recorded instant) without undamaged rows is
-/// removed. It is an error if the header or too many rows of instant 0 are damaged (least_whole_share).
+/// With Damage::salvage, all records are checked when the file is opened. Damaged rows are replaced by
+/// samples of rays that hit nothing (stand_in_for_row). A file may contain further recorded instants (keys).
+/// A key without undamaged rows is removed. It is an error if the header is damaged, or too many rows of the
+/// first instant (least_whole_share).
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in 64 rows must be undamaged. Otherwise, a small damaged file could
@@ -105,7 +106,8 @@ class SampleFileReader {
     /// Rows of records range from y_begin() = -overscan to y_end() - 1 = height + overscan.
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;
-    /// Columns of records range from x_begin() = -overscan to x_end() - 1 = width + overscan.
+    /// Records lie at the corners of pixels, so there is one more column of records than of pixels. The
+    /// columns range from x_begin() = -overscan to x_end() - 1 = width + overscan.
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
@@ -117,8 +119,8 @@ class SampleFileReader {
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
     /// Returns the times of recorded instants that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// Returns the pinhole image stored in the file. Throws if it is damaged, even with Damage::salvage,
-    /// because it can be computed from the records instead.
+    /// Returns the pinhole image stored in the file. Throws if this image is damaged. Even Damage::salvage
+    /// does not repair it, because the caller can compute the image from the records instead.
     [[nodiscard]] Image picture() const;
     /// True if the file is an OpenEXR file with the version attribute that postlens writes.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

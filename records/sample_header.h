@@ -15,8 +15,8 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// The range of lens and shutter settings for which the trace recorded enough overscan (pixels outside the
-/// image) and hidden surfaces. A limit that was not given to the trace is absent.
+/// The range of lens and shutter settings for which the file contains enough overscan (pixels outside the
+/// image) and hidden surfaces. A limit is absent if the user did not state it when tracing the file.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite

@@ -11,7 +11,8 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are too short to define a direction by vectors perpendicular to the others.
+// Replaces almost zero columns of the matrix m, which have no reliable direction. The new columns are unit
+// vectors, perpendicular to the other columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;

@@ -10,7 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// Parts into which a gap between keyframes is divided. The error is measured at the 7 times between them.
+// To measure the interpolation error between two keyframes, their interval is divided into this many parts.
+// The error is measured at the 7 times where two parts meet.
 constexpr int looks = 8;
 
 struct Sampler {

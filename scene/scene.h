@@ -36,9 +36,9 @@ struct Material {
     /// They approach the `_grazing` values with Schlick's weight (1 - cos)^5 [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n around the reflected and the refracted direction, or infinity for no
-    /// lobe. The tracer averages over a lobe that is wider than the lens, as seen from the surface.
-    /// Otherwise, it follows the exact direction.
+    /// Exponents n of the lobes cos^n around the reflected and the refracted direction, which model a rough
+    /// surface. Infinity means a smooth surface. The tracer averages over a lobe only if it is wider than the
+    /// lens, as seen from the surface. Otherwise, it follows the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -121,7 +121,8 @@ struct Light {
     std::string name;
     glm::dvec3 position{0};          ///< of a point or spot light, or the centre of a sphere or rectangle
     glm::dvec3 direction{0, 0, -1};  ///< unit direction in which the light travels (directional, spot)
-    /// radiance of a surface that has a diffuse coefficient of 1 and faces the light (N.L = 1)
+    /// radiance that the light, without attenuation, causes on a surface that has a diffuse coefficient of 1
+    /// and faces the light (N.L = 1)
     glm::dvec3 intensity{1};
     double cone_degrees = 30;  ///< spot: full angle of the lit cone
     double cone_soft_degrees =

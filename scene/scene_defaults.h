@@ -18,9 +18,9 @@ namespace postlens {
 void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
-/// Returns the horizontal direction from which most mesh surfaces show their outer side.
-/// It is the horizontal part of the mean normal, weighted by area: towards the missing wall of a room.
-/// Empty if this part is shorter than 0.1 or than the vertical part.
+/// Returns the horizontal direction in which most mesh surfaces face. It is the horizontal part of their mean
+/// normal, weighted by area. In a room without a front wall, it points out of the open front.
+/// Empty if this part is shorter than 0.1 or than the vertical part of the mean normal.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
 /// Returns true if a material reflects light from light sources: diffuse, diffuse_transmission or specular.

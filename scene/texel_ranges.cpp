@@ -8,7 +8,8 @@ namespace {
 
 constexpr int first_square = 4;  ///< texels
 /// A rectangle of up to this many texels along each edge is read texel by texel.
-/// A larger one is read in precomputed squares, at most this many along each edge.
+/// In a larger rectangle, precomputed squares of several texels are read instead. At most this many squares
+/// lie along each edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -61,8 +62,9 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the finest level on which at most `most_across` squares lie along each edge of the region.
-    // Level 0 is the texels.
+    // Colour ranges are precomputed on several levels. Level 0 consists of texels, and each higher level of
+    // larger squares. Finds the lowest level on which at most `most_across` squares or texels lie along each
+    // edge of the region.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;
@@ -72,8 +74,9 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Wraps or clamps positions as texels, and only then converts them to squares.
-    // Squares cannot be wrapped, because the last square of a row may contain fewer texels than the others.
+    // Wraps or clamps the position of each texel, and only then finds the square of texels that contains it.
+    // Indices of squares cannot be wrapped, because the last square of a row may contain fewer texels than
+    // the others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

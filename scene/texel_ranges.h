@@ -18,7 +18,8 @@ struct ColourRange {
     }
 };
 
-/// The least and greatest value of each channel, for squares of 4, 8, 16, ... texels.
+/// The least and greatest value of each colour channel in squares of texels. The edges of these squares are
+/// 4, 8, 16, ... texels long.
 class TexelRanges {
   public:
     TexelRanges() = default;
@@ -28,7 +29,8 @@ class TexelRanges {
     /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last].
     /// `rgb` must be the array that was passed to the constructor.
     /// Outside the image, `wrap_x` and `wrap_y` repeat it. Otherwise the texels of the border are used.
-    /// If a side is longer than 9 texels, texels up to two fifths of the longer side away may be included.
+    /// If a side of this rectangle is longer than 9 texels, it is covered by precomputed squares of texels.
+    /// These squares may extend beyond the rectangle by up to two fifths of its longer side.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -56,8 +56,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of all colours in the bounding box of two texture positions. If the positions are
-    /// half an image or more apart, assumes a seam between them and includes only their two colours.
+    /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`. If
+    /// `low` and `high` are half an image or more apart, there is probably a seam between them. Then only the
+    /// colours at these two corners are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// The inverse depths of a sample file, which all images of a sweep share.
+/// The inverse depths in a sample file. They do not depend on the lens, so they are computed once for all
+/// images of a sweep.
 struct FrameDepths {
     int width = 0, height = 0;
     /// Per pixel: inverse depth along the optical axis, in 1/m, of the surface seen at its upper left corner;

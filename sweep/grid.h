@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// The values of each varied setting. All lists except `shutters` need at least one. A lens prescription
-/// replaces `focal_lengths_mm`, and an empty list `f_numbers`.
+/// The values of each setting that varies in a sweep. Each list except `shutters` needs at least one value. A
+/// lens prescription, which describes a real lens, replaces `focal_lengths_mm`. It also replaces `f_numbers`
+/// if this list is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -35,11 +36,13 @@ struct SweepGrid {
     std::size_t row = 1;
 };
 
-/// Returns all combinations of the settings. From slow to fast, these are impulse response, shutter, focal
-/// length, f-number and focus distance. File names contain the last two, and others only if they vary.
+/// Returns all combinations of the settings, in the order of nested loops. From the outermost to the
+/// innermost loop, these are impulse response (blur kernel), shutter, focal length, f-number and focus
+/// distance. File names always contain f-number and focus distance. They contain the other settings only if
+/// these vary.
 ///
-/// Throws Error(wrong_arguments) for over `most_pictures` images or a missing list, and the errors of reading
-/// a prescription.
+/// Throws Error(wrong_arguments) if there are more than `most_pictures` images, or if a required list is
+/// empty. Also throws the errors of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
 /// Replaces the one placeholder in a pattern such as "NAME.%04d" by `i`. Returns nothing for any other

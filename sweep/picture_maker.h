@@ -18,11 +18,12 @@
 
 namespace postlens {
 
-/// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or of
-/// `shoot` with a shutter.
+/// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`. For
+/// images with motion blur (a shutter), they are those of the command `shoot`.
 struct PictureSettings {
-    /// Method of all images. If absent: lightfield with a shutter, otherwise the file's default
-    /// (usual_method). A shutter allows only lightfield, hybrid and automatic.
+    /// Method that makes all images. If absent, it is lightfield for images with a shutter (motion blur), and
+    /// otherwise the method that usual_method chooses for the file. With a shutter, only lightfield, hybrid
+    /// and automatic are allowed.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;

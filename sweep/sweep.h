@@ -26,11 +26,11 @@ struct SweepSettings {
     /// Keeps images of an earlier run in the same folder if sweep.json states equal settings, an equal sample
     /// file and the image's checksum.
     bool resume = false;
-    /// Makes only every N-th image, with the table sweep.I-of-N.json, so that several computers can divide a
-    /// sweep.
+    /// Set if several computers divide a sweep. This one then makes only every N-th image, and writes the
+    /// table sweep.I-of-N.json.
     ///
-    /// A last run without a share, with `resume`, keeps the images of all shares and writes sweep.csv and
-    /// contact.png.
+    /// To join the results, a last run has `resume` but no `share`. It keeps the images of all computers, and
+    /// writes sweep.csv and contact.png.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< if not `no`, with `resume`: no image is made

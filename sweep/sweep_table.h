@@ -20,8 +20,8 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Sum of squared differences between neighbouring pixels, divided by that of the pinhole image. Absent
-    /// if the pinhole image has no detail.
+    /// Sharpness of this image: its sum of squared differences between neighbouring pixels, divided by that
+    /// of the pinhole image. Absent if the pinhole image has no detail.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;
@@ -48,11 +48,13 @@ struct SweepTable {
 /// Returns the table as JSON, with null for unknown and infinite values.
 [[nodiscard]] std::string json_text(const SweepTable& table);
 
-/// Returns a file name as the table has it: bytes that are not UTF-8 are replaced.
+/// Returns a file name as json_text writes it: bytes that are not UTF-8 are replaced, because JSON must be
+/// UTF-8.
 [[nodiscard]] std::string name_in_json(const std::string& name);
 
-/// Reads the measured values and checksums from the JSON of `json_text`, by file name. Throws
-/// Error(invalid_input), with a message that begins with `source`, for other text.
+/// Reads the measured values and checksums of images from `text`, which json_text has written. The result
+/// maps the name of each image file to its values. For any other text, throws Error(invalid_input) with a
+/// message that begins with `source`.
 [[nodiscard]] std::map<std::string, SweepRow> rows_of_json(const std::string& text,
                                                            const std::string& source);
 

@@ -20,7 +20,8 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses f-numbers: positive numbers, or `inf` for the pinhole. A range is FROM:TO:STEP with STEP in stops
 /// ("1/2" or "0.5").
 ///
-/// The last value may exceed TO by a tenth of a stop, at most half a step: 2:11:1 ends at 11.31.
+/// The last value may exceed TO, because engraved f-numbers are rounded: 2:11:1 ends at 11.31. The excess is
+/// at most a tenth of a stop, and at most half a step.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
 /// Parses focus distances in m, positive or `inf`. A range is FROM:TO:COUNT, rising or falling, with both

@@ -45,8 +45,9 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the cost of item i. Its time is interpolated linearly between the two nearest measured items. Its
-/// memory is the larger of theirs.
+/// Returns the estimated cost (time and memory) of item i, for example of a frame. The time is interpolated
+/// linearly between the nearest measured items before and after it. The memory is the larger of their two
+/// values.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -193,8 +194,9 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // This frame was measured only with few samples or views. Its full time is extrapolated by the
-            // same factor as that of the animation's middle frame.
+            // To save time, this frame was run only with few samples or views, like the animation's middle
+            // frame. The full time of the middle frame is known. It is multiplied by the ratio of the two
+            // short times.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -208,8 +210,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the time of each machine's images as a fixed time plus a time per image. Measures these times
-    /// with short runs.
+    /// Several machines may divide the images of a sweep. Predicts the time of each machine as a fixed time
+    /// plus a time per image. Short runs measure these two times.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -244,8 +246,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // If each machine computes some samples of every pixel, its file stores several sums of radiance per
-        // pixel, not one.
+        // If each machine computes some of the samples of every pixel, its output file stores one sum of
+        // radiance per pixel and block of samples. Several blocks need more memory than one.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -259,8 +261,9 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // Each of `shares` machines makes 1/shares of the rows. `shares` times as many samples therefore take
-        // as long as the measurement of the whole image.
+        // Each of `shares` machines makes only 1/shares of the image's rows. A test run of these rows may
+        // therefore use `shares` times as many samples as the test run of the whole image, and take the same
+        // time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

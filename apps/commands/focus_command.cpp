@@ -75,12 +75,12 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
-    // be a sample file.
+    // A damaged header may hide the format of a file. So with --salvage, the input is assumed to be a sample
+    // file, and not an image of another program (`is_foreign`).
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // Options for units are checked only for sample files. For files of other formats, open_frame throws a
-    // clearer error.
+    // --metres-per-unit and --lumens-per-watt are checked only if the input is a sample file. For files of
+    // other formats, open_frame throws a clearer error.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -131,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // If a scene is given, even a pinhole image is made with rays, to find surfaces between the recorded
-    // points.
+    // The samples in the file lie on a grid. If a scene is given, rays find small surfaces between the grid
+    // points, even for a pinhole image.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},

@@ -30,8 +30,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the indices, from 0 to count - 1, of the machines whose files are missing. Throws if a file is
-    /// missing and `partial` is false.
+    /// `count` machines have divided the work, and each has written one file. Returns the indices, from 0 to
+    /// count - 1, of the missing files. Throws if a file is missing, unless `partial` is true.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:
@@ -45,8 +45,8 @@ class FoundParts {
 /// would write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the results of a sweep or a chart whose shares were made in the same folder. `options.parts` are the
-/// tables *.I-of-N.json of the shares. The result is written to their folder.
+/// Joins the results of a sweep or a chart that several machines computed in the same folder. `options.parts`
+/// are the tables *.I-of-N.json that these machines wrote. The result is written to their folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

@@ -7,9 +7,10 @@ namespace postlens {
 namespace {
 
 // The longest and the shortest diameter of an elliptical circle of confusion, in px.
-// When the lens point moves by q metres, the image of the surface moves by g (I / s - W) q px. The diameters
-// are the singular values of this matrix, times the diameter of the aperture in m.
-// g: film distance / pixel pitch; s: focus distance in m; W: matrix of the record in 1/m
+// Let g be the film distance / pixel pitch, s the focus distance in m, and I the identity matrix. W is the
+// 2x2 matrix, in 1/m, that the file stores for the surface: I / depth if it is seen directly. Let A = g (I /
+// s - W). When the lens point moves by q metres, the image of the surface moves by A q px. The diameters are
+// the singular values of A, times the diameter of the aperture in m.
 struct CocAxes {
     double longer_px, shorter_px;
 };

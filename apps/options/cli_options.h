@@ -50,8 +50,9 @@ inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high 
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. Its help text states `absent` as the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to a command that reads the scene of its sample file. The help text begins with
-/// `when`, for example "With --scene: ".
+/// Adds --lumens-per-watt, which converts photometric units of lights (lux, candela) to radiometric ones. It
+/// is for commands that read a sample file and its scene. The help text begins with `when`, for example "With
+/// --scene: ".
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);

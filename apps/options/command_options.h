@@ -31,8 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options of --frames, which processes several frames. A line is printed after each frame,
-    /// unless --quiet or --json is given.
+    /// Returns the options for processing several frames (--frames). Sets `speak`, so that the command prints
+    /// a line after each frame, unless --quiet or --json is given.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;

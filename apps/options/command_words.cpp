@@ -12,8 +12,9 @@
 namespace postlens {
 namespace {
 
-// A mark states what the value of an option is, for example the name of an input file. CLI11's options have
-// no field for a mark. So a validator carries the mark as its name.
+// A mark states what the value of an option is, for example the name of an input file. Later functions use
+// the marks to find all files of a command line. CLI11's options have no field for a mark. So it is stored as
+// the name of a validator that accepts every value.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -29,7 +30,8 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// Returns the file name in the value of an option, or an empty text if there is none.
+/// Returns the file name that the value `text` of an option states. The value may be the name itself, such as
+/// `a.exr`, or contain it, such as `image:FILE`. Returns an empty text if there is no file name.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
     if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;

@@ -1,5 +1,5 @@
-// Finds the files that a command line reads and writes, and the options that change its result. Lists the
-// words with which `merge` and --dry-run run the command again.
+// Finds the files that a command line reads and writes, and the options that change its result. Also lists
+// the arguments of the command line, so that `merge` and --dry-run can run the command again.
 #pragma once
 
 #include <CLI/CLI.hpp>

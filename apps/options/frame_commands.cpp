@@ -55,8 +55,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share would divide an image that must be made as a whole. --explain needs the whole image, and
-/// so does the method `auto` if it measures errors (`decides`).
+/// --share divides an image between several machines. Throws if the image must be made as a whole. This is so
+/// with --explain, and if `decides` is true: then the method `auto` measures the error of the whole image.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -145,8 +145,9 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // `auto` gives all frames the exposure of the first frame. It is stored with each frame, so that
-            // --keep makes all frames again if it changes.
+            // With the exposure `auto`, all frames get the exposure of the first frame. It is stored in each
+            // output file. If it has changed since then, --keep makes the frame again instead of keeping its
+            // file.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

@@ -91,13 +91,14 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // Invalid UTF-8 was replaced by `text_of` when the settings were stored. `made_by` is compared with them,
-    // so it is converted too.
+    // `json` contains the settings stored in the output file. When they were stored, `text_of` replaced
+    // invalid UTF-8. So the current settings `made_by` are converted in the same way before they are
+    // compared.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames. Of several frames with the same warning, only the first is listed,
-/// with the number of the others.
+/// Collects the warnings of all frames. If several frames have the same warning, it is listed only once, for
+/// the first of them. The text then states how many more frames have it.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

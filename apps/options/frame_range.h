@@ -38,8 +38,8 @@ struct FrameOptions {
     /// Returns the options and inputs on which a frame's result depends. They are stored in the frame's
     /// output file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
-    /// The part of the work that this machine does: every N-th frame with --frames, otherwise a part of the
-    /// image.
+    /// The part of the work that this machine does, if several machines divide it. With --frames, it is every
+    /// N-th frame. Without --frames, it is a part of the image.
     std::optional<SharedWork> shared;
     bool speak = false;  ///< print a line after each frame
 };

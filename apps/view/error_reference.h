@@ -23,8 +23,9 @@ struct ErrorReference {
     std::vector<float> noise;
 };
 
-/// Traces a reference for about 10 s, but with at least 32 and at most 1024 rays per pixel. `trace` makes an
-/// image with an even number of rays per pixel.
+/// Traces a reference for about 10 s, but with at least 32 and at most 1024 rays per pixel. The number that
+/// `trace` receives is even, because half of the rays go to each of two images. Their difference shows the
+/// noise.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
 /// Prevents noise of the reference from counting as an error of `image`. Where the two differ by at most

@@ -9,7 +9,8 @@
 
 namespace postlens {
 
-/// Inverse focus distance and object id of the surface in each pixel, row by row.
+/// For each pixel, row by row: the object id of one surface, and the inverse of the focus distance at which
+/// this surface is sharp.
 /// - For a sample file, it is the brightest surface that the pinhole sees in the pixel.
 /// - For another program's image, it is the first surface at which the accumulated alpha reaches one half.
 struct ImageDepths {

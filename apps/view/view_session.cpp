@@ -101,8 +101,8 @@ double run_kept(const std::vector<std::string>& words, const std::shared_ptr<Kep
     return seconds_since(start);
 }
 
-/// The options of `focus` and `shoot` that the page may set. None of them names a file, because the page must
-/// not access other files.
+/// The options of the commands `focus` and `shoot` that the viewer's web page may set. None of them names a
+/// file, because the page must not access other files.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
         "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
@@ -111,7 +111,8 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// The options that the page may set in a request for ViewSession::causes.
+/// The options that the viewer's web page may set when it requests the causes of an image's errors
+/// (ViewSession::causes).
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -153,8 +154,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method whose causes of error are searched. `auto` becomes `hybrid`, because both reproject
-/// records and trace rays. Empty if no method has the name `name`.
+/// Returns the method with this name, to find the causes of its errors. For `auto`, returns `hybrid`, because
+/// `auto` makes a hybrid image. Empty if there is no such method.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -332,8 +333,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. If it is not the last image of `picture`,
-/// the file is opened a second time, so that other requests need not wait.
+/// Returns the image that the request `picture` makes with these parameters. If it is the last one that
+/// `picture` made, it is reused. Otherwise the file is opened again to make the image, so that other requests
+/// need not wait for the open file.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

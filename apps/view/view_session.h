@@ -50,11 +50,11 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quick image with larger pixels, in the format of `picture`. In the JSON, "by" is their width
-    /// in pixels of the full image.
+    /// Returns an image that is made quickly, because its pixels are larger. The reply has the format of
+    /// `picture`. Its JSON contains "by": the width of a large pixel, in pixels of the full image.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns a ray-traced image of the scene, in the format of `picture`. Cancels an older request only if
-    /// it is for a ray-traced image.
+    /// Returns a ray-traced image of the scene, in the format of `picture`. This request cancels an earlier
+    /// request for a ray-traced image, but no request of another kind.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
     /// Returns which surfaces a pixel shows. The parameters are the position x and y in px, f-number,
     /// focal-length and focus.

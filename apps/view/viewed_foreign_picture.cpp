@@ -13,7 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples of a pixel that are sent to the page. A pixel with smoke may have thousands.
+/// Largest number of samples per pixel that are sent to the viewer's web page. A pixel that shows smoke may
+/// have thousands of samples.
 constexpr std::size_t most_nodes = 64;
 
 /// Returns a distance in metres for JSON. Null means infinity.
@@ -73,8 +74,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // A pixel's samples are sorted by luminance, the brightest first. The lower limit, 1e-12 times
-            // alpha, sorts black samples by their alpha.
+            // The samples of a pixel are sorted by luminance, the brightest first. The value used is at least
+            // 1e-12 times alpha, so that black samples are sorted by alpha.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

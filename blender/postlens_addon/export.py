@@ -74,7 +74,7 @@ class Copy:
 
     def remove(self):
         # A single call removes the objects, meshes and scene, because each call searches the whole Blender file.
-        # Removing only the scene would need a window.
+        # Blender's function that removes only a scene would need an open window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 

@@ -11,7 +11,7 @@ from . import command, pictures
 
 IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
-# Interval, in seconds, at which an operator in a window continues its work.
+# Interval, in seconds, of the timer events at which Blender lets a running operator do the next part of its work.
 TICK_S = 0.05
 # Events that only move the view. Blender receives them during a run. Most others are blocked, because a run temporarily
 # changes the scene.

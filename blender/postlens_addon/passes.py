@@ -15,7 +15,8 @@ SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "V
 # Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light from beyond the
 # margin is estimated from pixels within it.
 WIDEST_MARGIN = 0.25
-# Smallest radius of a circle of confusion, in px, at which the surfaces behind a blurred edge become visible.
+# Objects in front of the focus are left out of a second render if their circle of confusion has at least this radius,
+# in px. Behind the blurred edges of these objects, other surfaces become visible.
 VISIBLE_RADIUS_PX = 1.0
 
 
@@ -37,8 +38,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again, which would overwrite the temporary values of these properties. So their
-    # animation is muted.
+    # The body of the `with` statement changes these properties for a render. Their animation is muted, because the
+    # render would evaluate it again and overwrite the changed values.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -135,7 +136,7 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # The output settings of the scene may state another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # If this property is True, Blender renders only the layer shown in the window.
+        # If `use_single_layer` is True, Blender renders only the view layer that its window shows.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer

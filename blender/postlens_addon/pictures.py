@@ -14,7 +14,8 @@ from .rendered import rendered
 
 # Fraction of a frame's progress bar for each of its two renders.
 RENDER_SHARE = 0.4
-# Longest time, in seconds, for which `survey` works before Blender's window can respond.
+# Longest time, in seconds, for which `survey` works without a pause. It visits all frames before they are rendered, and
+# Blender's window can respond only in its pauses.
 SURVEY_S = 0.1
 
 

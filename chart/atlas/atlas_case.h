@@ -15,8 +15,8 @@ namespace postlens {
 /// Settings with which the sample file of an atlas case is traced. Absent settings have the values that
 /// follow from `for_view`.
 struct AtlasTrace {
-    /// Records all surfaces that the lens and shutter need (best_trace). If false, the scene is traced with
-    /// default settings.
+    /// If true, the sample file contains all surfaces that the image's lens and shutter need (best_trace). If
+    /// false, the trace has default settings, so hidden surfaces may be missing.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
     /// Focus distance for which to trace, m. If absent, the image's.
@@ -60,8 +60,8 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// At least this fraction of the error, 0 to 1, must be attributed to the expected `cause` by
-    /// find_error_causes.
+    /// Fraction of the error, 0 to 1. The test fails if find_error_causes attributes less than this fraction
+    /// to `cause`, the cause of error that this test case expects.
     double named_at_least = 0;
 };
 

@@ -1,4 +1,5 @@
-// Makes the image of one method of an atlas case, and collects its warnings.
+// Makes the image of one method for a case of the atlas, and collects its warnings. The atlas is a collection
+// of scenes with which methods are tested.
 #pragma once
 
 #include <filesystem>

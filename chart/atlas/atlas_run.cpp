@@ -68,8 +68,8 @@ class CaseRun {
     }
 
   private:
-    // Returns a sample file with these trace settings. The last file is kept, because a method and its remedy
-    // often need the same one.
+    // Returns a sample file that is traced with these settings. The last file is kept, because two methods of
+    // a test case, the tested and the correct one, often need the same file.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);

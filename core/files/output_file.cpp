@@ -105,8 +105,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // Name of the temporary file. It keeps the extension, by which image writers choose the format. `number`
-    // separates files of one process, and of containers with equal process ids.
+    // Name of the temporary file. It has the extension of the output file, by which image writers choose the
+    // format. `number` distinguishes the temporary files of one process. It also distinguishes files of
+    // processes in different containers, whose ids may be equal.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {

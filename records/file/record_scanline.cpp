@@ -16,8 +16,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables between half floats and positions within a pixel, in multiples of 1/1024 px. All other half floats
-/// become NaN.
+/// Tables that convert half floats to positions within a pixel, and back. Positions are multiples of 1/1024
+/// px. Half floats with other values become NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};

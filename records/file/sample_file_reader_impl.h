@@ -84,12 +84,14 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes the records that replace the damaged pixel row y, from the row above if that is intact.
+    /// Makes samples that replace the damaged pixel row y. If the row above is intact, their positions fit
+    /// its quadtree cells. Otherwise they lie only at the pixel corners.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
-    /// Returns the position and the size, in bytes, of the data of the file's chunk at `at`. Throws unless
-    /// the chunk is row y of `part`.
+    /// Reads the header of the OpenEXR chunk that begins at position `at` of the file. Returns the position
+    /// and the size, in bytes, of the data that follow. Throws unless the chunk is row y of `part` and has at
+    /// most `most_bytes`.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
     [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;

@@ -34,8 +34,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes each instant without a readable row. In the others, counts the records that replace each lost
-/// (unreadable) row.
+/// Removes each recorded instant that has no readable row. In the other instants, unreadable rows are
+/// replaced by samples of rays that hit nothing. Counts these samples for each row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();

@@ -186,8 +186,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. Summaries are written one row late: they
-/// contain the checksum of an image row, which also depends on the next row of records.
+/// Completes an instant by writing the summary of its last row. A summary contains the checksum of an image
+/// row, which also depends on the next row of samples. Therefore each summary is written one row late.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -220,8 +220,8 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Writes image rows as soon as they are complete. The order in the file then does not depend on the
-    // number of rows per call.
+    // Writes each image row as soon as it is complete, and does not wait for the end of the call. Otherwise
+    // the order of rows in the file would depend on the number of rows per call.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

@@ -21,7 +21,8 @@ struct GltfCurve {
     std::vector<double> values;   ///< one per keyframe; cubic_spline: in-tangent, value, out-tangent
 
     /// Returns the interpolated value at a time. Rotations are unit quaternions.
-    /// Linear curves interpolate rotations by slerp along the shorter arc. Cubic curves normalise the result.
+    /// Linear curves interpolate rotations by slerp along the shorter arc. Cubic curves interpolate the
+    /// components of a quaternion, so the resulting quaternion is normalised.
     [[nodiscard]] std::array<double, 4> at(double time_s) const;
 };
 

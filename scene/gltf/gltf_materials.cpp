@@ -94,8 +94,8 @@ class MaterialReader {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // Without its texture, the surface emits nothing, because most of an emissive texture is usually
-            // black.
+            // The texture that multiplies this emission cannot be used. Most of such a texture is usually
+            // black, so the surface emits nothing instead of being bright everywhere.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

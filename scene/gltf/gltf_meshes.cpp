@@ -122,8 +122,9 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform scales, rotates and then offsets. On the image, where v points down,
-            // the rotation is counter-clockwise. In the mesh, v points up, so it is 1 - v.
+            // KHR_texture_transform scales, rotates and then offsets. The rotation is counter-clockwise on
+            // the image, where v points down. In the mesh, v points up, so the result for v is subtracted
+            // from 1.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

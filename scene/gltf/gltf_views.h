@@ -14,8 +14,8 @@ namespace postlens {
                                                 double metres_per_unit);
 
 /// Returns the light of a node (KHR_lights_punctual), or empty if the node has none.
-/// The intensity, in lux or candela, is divided by (pi lumens_per_watt).
-/// It is then the radiance of a white diffuse surface in this light. Throws Error(invalid_input).
+/// The intensity in the file is in lux or candela. It is divided by (pi lumens_per_watt), which gives the
+/// radiance of a white diffuse surface in this light. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

@@ -16,7 +16,8 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files, a factor of Ka. Low, because exporters write a Ka of 1.
+/// Ambient light of scenes from OBJ and PLY files. It is multiplied by Ka, the material's ambient
+/// coefficient. The value is low, because exporters write Ka = 1 into most materials.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {
@@ -29,7 +30,8 @@ class MeshMaterials {
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Reads a texture image. Adds a note and returns null if the file cannot be read.
+    /// Reads a texture image. With `clamp`, the image does not repeat: its border colours continue outside.
+    /// Adds a note for the user and returns null if the file cannot be read.
     /// Throws Error(invalid_input) if the path leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file, bool clamp = false);
 

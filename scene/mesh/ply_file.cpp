@@ -29,7 +29,8 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Returns the indices of several properties, each with one of several names, or empty if one is missing.
+// Finds several properties of a PLY element, each of which may have one of several names. Returns their
+// indices, or empty if a property is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -162,8 +163,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of a PLY element, such as one vertex: its scalars, by index of the property,
-    // and those of its lists that are needed.
+    // Reads one instance of a PLY element, such as one vertex or one face. Scalar properties are stored by
+    // their index. Of the list properties, only those in `kept_lists_` are stored.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -273,8 +274,9 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The lists of a face that are needed: vertex indices and texture coordinates.
-    // `kept_lists_` are the indices of their properties, and `lists_` their values.
+    // A PLY face may have many list properties, but only two are needed: vertex indices and texture
+    // coordinates. `kept_lists_` contains the property index of each, and `lists_` its values for the current
+    // face.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

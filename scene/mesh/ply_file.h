@@ -18,7 +18,8 @@ struct PlyFile {
     std::vector<glm::dvec2> uvs;      ///< per position, or empty
     /// one colour per position, or empty; 1 is full intensity, even if the file stores integers
     std::vector<glm::dvec3> colours;
-    /// vertex indices of all faces, face by face; an index may exceed the number of positions
+    /// vertex indices of all faces, face by face; they are not checked, so an index may exceed the number of
+    /// positions
     std::vector<std::uint32_t> corners;
     std::vector<std::uint32_t> corner_counts;  ///< per face
     std::vector<glm::dvec2> corner_uvs;        ///< one per entry of `corners`, replaces `uvs`; or empty

@@ -24,8 +24,8 @@ MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD s
 # The output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Largest accepted sine of the angle by which a convex polygon turns the wrong way at a corner. Rounding of coordinates
-# to six digits may cause such an angle.
+# At the corners of a convex polygon, the outline always turns in the same direction. Rounding of coordinates to six
+# digits may cause a small turn in the opposite direction. This is the largest accepted sine of its angle.
 LARGEST_REFLEX = 1e-4
 
 
