@@ -13,7 +13,8 @@ namespace postlens {
 /// contain errors over the affected pixels.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
-/// Returns sentences to print below the table: the error of the reference and FLIP's exposures.
+/// Returns sentences to print below the table of errors. They state the noise of the reference and the
+/// exposures that HDR-FLIP used.
 [[nodiscard]] std::vector<std::string> comparison_notes(const Comparison& comparison);
 
 /// Returns the table as text. The first column is left-aligned, and the others are right-aligned.

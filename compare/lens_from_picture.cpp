@@ -12,10 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Residuals (differences of picture_tone) above these limits count linearly. The first fit starts far from
-/// the true lens. The last limit is the noise at 256 samples per pixel.
+/// Limits for the robust fit of a lens: larger differences in tone (logarithmic brightness) count linearly,
+/// not quadratically. The first limit is for the start, far from the solution. The last is the noise of a
+/// render at 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the step of the central differences in 1/s, as a fraction of the range of inverse depths.
+/// The fit differentiates the image numerically with respect to 1/s, with focus distance s. This is the
+/// change of 1/s to either side, as a fraction of the scene's range of inverse depths.
 constexpr double focus_step = 0.03;
 /// Side, in px, of the blocks for the standard errors. Residuals of different blocks are assumed to be
 /// independent.
@@ -23,15 +25,18 @@ constexpr std::size_t block_px = 16;
 /// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
 /// shows no blur.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual of the best lens, as a fraction of the image's contrast. It is about 0.1 if the
-/// file shows the same view, and almost 1 if not.
+/// Largest accepted difference between the given image and the image of the fitted lens, as a fraction of the
+/// given image's contrast. It is about 0.1 if the records show the same view as the image, and almost 1 if
+/// not.
 constexpr double most_left = 0.5;
-/// Largest accepted error of the best lens, as a fraction of the pinhole image's error.
+/// A fitted lens is rejected unless it reduces the error of the sharp pinhole image to this fraction or less.
+/// Otherwise, the given image shows no lens blur.
 constexpr double least_gain = 0.8;
 /// Minimum range of inverse depths, as a fraction of the largest. With a smaller range, all objects have
 /// practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of log aperture, and of 1/s as a fraction of the range of inverse depths.
+/// Largest accepted standard error of a fitted lens. It applies to the logarithm of the aperture, and to the
+/// inverse focus distance as a fraction of the scene's range of inverse depths.
 constexpr double most_error = 0.2;
 /// Further minima are reported if their error is below this factor times the best error.
 constexpr double nearly_as_good = 1.25;
@@ -187,8 +192,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Finds the minimum in two descents. Each uses only the pixels in which the blur of its starting lens is
-/// reliable.
+/// Fits a lens in two descents: from the lens `from`, and then from the result of the first descent. Each
+/// uses only pixels in which the blur of its starting lens is reliable.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -202,8 +207,9 @@ bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Returns at most `most` starting points in different minima, sorted by the error of the image that `focus`
-/// computes. Those above 1.5 times the smallest error are omitted.
+/// Returns at most `most` of the lenses `matches`, as starting points for the fit. Omits lenses similar to a
+/// better one. Then computes each lens's image accurately, sorts by its error, and omits lenses with more
+/// than 1.5 times the smallest error.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -251,7 +257,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // If the image has lens blur, even a rough estimate of the lens has a smaller error than a pinhole.
+    // Refuses an image without lens blur. With lens blur, even a rough estimate of the lens would have a
+    // smaller error than the sharp pinhole image.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -274,8 +281,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Sorts the fitted lenses by error. They were fitted to different pixels; dividing by `spread`, the
-    // contrast of these pixels, makes their errors comparable.
+    // Sorts the fitted lenses by error. They were fitted to different pixels, so each error is taken relative
+    // to `spread`, the contrast of its pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -63,8 +63,9 @@ class Aperture {
     ///
     /// Not available for aperture images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
-    /// radii. If rim_scale is below 0.05, returns a square that blocks no light.
+    /// Returns the outline of the rim in the lens barrel that blocks oblique light (cat's-eye vignetting).
+    /// The rim is projected onto the lens, where its radius is 1 / rim_scale lens radii. For rim_scale below
+    /// 0.05, returns a square that blocks no light.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns true if cat's-eye vignetting at image position `field` does not block light through point q of
@@ -91,8 +92,8 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Number of intervals per axis of the table of cat's-eye transmission, over image positions from -1 to
-    /// 1.
+    /// Number of table intervals per axis. The table stores how much light cat's-eye vignetting transmits at
+    /// image positions (x, y), where both x and y range from -1 to 1.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

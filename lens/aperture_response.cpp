@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // Enlarges the radius of the blur kernel slightly: rounding might exclude a corner of its outline that
-    // lies on a pixel border.
+    // Enlarges the radius of the blur kernel slightly. Otherwise, rounding might cut off a corner of the
+    // kernel that lies exactly on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -42,8 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Divides a line of `length` on the lens into at most 256 parts. Spherical aberration curves the line's
-/// image, but each part's image is straight within 0.02 px.
+/// Returns into how many parts, at most 256, to divide a line on the lens. Because of spherical aberration,
+/// rays through the line land on a curve. Those through one part land on a straight line, within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -56,8 +56,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Coarsens an aperture image until each cell covers about half a pixel of the response. An original cell
-/// covers `cell_px` px.
+/// Merges the cells of an aperture image until each merged cell lights about half a pixel of the blur kernel.
+/// An original cell lights `cell_px` px.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -120,8 +120,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Deposits the light of an aperture given by its outline. The aperture is divided into rings around its
-/// centre, and each ring into cells.
+/// Computes the blur kernel of an aperture that is given by its outline. Divides the aperture into rings of
+/// cells around its centre, and adds each cell's light to the pixels on which it falls.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -147,8 +147,9 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            // Splits each cell of the aperture into two triangles. Spherical aberration can fold the image of
-            // a quadrilateral, but not that of a triangle.
+            // Splits each cell of the aperture into two triangles. With spherical aberration, a
+            // quadrilateral's four corners may land so that their outline crosses itself. A triangle's three
+            // corners cannot.
             const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
@@ -188,12 +189,12 @@ double rim_of(const Aperture& aperture) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Light through the lens at rho lens radii from its centre lands |R rho + S rho^3| px from the point's
-    // image, with R = `radius_px` and S = `spherical_px`.
+    // A ray at rho lens radii from the lens centre lands |R rho + S rho^3| px from the central ray. R stands
+    // for `radius_px`, and S for `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Light through the rim of the lens lands farthest, unless spherical aberration of the opposite sign
-    // moves light through an inner zone of the lens farther.
+    // Rays through the rim of the lens usually land farthest from the central ray. If defocus and spherical
+    // aberration have opposite signs, rays through an inner zone may land even farther.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -202,8 +203,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cat's-eye vignetting, neighbouring pixels share one blur kernel although the outline varies over
-    // the image. More precision than 0.02 px would be useless.
+    // Tolerance of the outline. With cat's-eye vignetting, it is 0.02 px: the true outline varies by about as
+    // much between the neighbouring pixels that share one blur kernel.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

@@ -26,28 +26,30 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width of the aperture's image, in px. with_area() widens thinner images, because an image
-/// without area would cover no pixels.
+/// Smallest half width, in px, of a blur kernel's outline. `with_area` widens narrower outlines, because an
+/// outline without area covers no pixels.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
-/// Returns true if the response is uniform inside its outline. image_outline() then describes it completely.
+/// Returns true if the blur kernel is uniform inside its outline. The outline, from `image_outline`, then
+/// describes the whole kernel.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
 /// Returns the outline of the aperture's image, in px, or nothing if no light passes. Its error is at most
 /// 1e-3 px, or 0.02 px with cats_eye (vignetting).
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns an upper bound of the distance from `image.centre_px` to the response's farthest light, in px.
+/// Returns an upper bound of the blur kernel's radius: the largest distance, in px, from `image.centre_px` to
+/// a point that receives light.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
 /// Returns the distance of the aperture's farthest point from the lens centre, in lens radii. It ignores
 /// cat's-eye vignetting.
 [[nodiscard]] double rim_of(const Aperture& aperture);
 
-/// Returns the distance from a scene point's geometric image to its farthest light, in px. `radius_px` is the
-/// signed radius of the circle of confusion.
+/// Returns the blur kernel's radius: the largest distance, in px, between the landing point of the lens's
+/// central ray and a point that receives light. `radius_px` is the signed radius of the circle of confusion.
 ///
-/// Unlike largest_reach_px, it is exact even with spherical aberration.
+/// With spherical aberration, the result is exact, whereas largest_reach_px returns only an upper bound.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Each cell of the aperture spreads its light

@@ -23,8 +23,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Lengthens only the ellipse's minor axis. `minor` and `major` are its squared semi-axes, and a is
-        // the unit vector along the major axis:
+        // Lengthens only the ellipse's minor axis. M is the matrix that maps the unit disc to the ellipse.
+        // With the squared semi-axes `minor` and `major`, and the unit vector a along the major axis:
         //
         //     M M^T = minor I + (major - minor) a a^T
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
@@ -89,9 +89,9 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the strip's area to the left of the vertical line at x, relative to the centre. It integrates
-/// min(right(t), x) - min(left(t), x) over the height t, where left(t) and right(t) are the ends of the
-/// ellipse's chord.
+/// Returns the area of a horizontal strip of the ellipse, left of the vertical line at x. Coordinates are
+/// relative to the ellipse's centre. At height t, the ellipse reaches from left(t) to right(t), so the
+/// integrand over t is min(right(t), x) - min(left(t), x).
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -168,8 +168,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // The covered area of a pixel is the difference of the ellipse's areas left of its two borders. So the
-    // pixels of a row add up to its area without rounding errors.
+    // Computes a pixel's covered area as a difference: the ellipse's area left of the pixel's right border,
+    // minus its area left of the pixel's left border. So the pixels of a row add up without rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

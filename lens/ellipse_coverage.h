@@ -60,7 +60,8 @@ class EllipseRows {
     /// The ellipse touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the fraction of the ellipse's area in a completely covered pixel.
+    /// Returns the weight of a pixel that lies completely inside the ellipse: 1 px^2 divided by the ellipse's
+    /// area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
     /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
     /// `out`.

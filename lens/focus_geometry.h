@@ -1,5 +1,5 @@
-// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. All conversions
-// between mm, m and px are here.
+// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. For this, converts
+// lens lengths (mm) and scene lengths (m) to pixels.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -19,15 +19,16 @@ class OutlineRows {
     /// The polygon touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the fraction of the polygon's area in a completely covered pixel.
+    /// Returns the weight of a pixel that lies completely inside the polygon: 1 px^2 divided by the polygon's
+    /// area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
     /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
     /// `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. The areas to the right of its left sides (`sign` +1), minus those of its right
-    /// sides (-1), give the polygon's area.
+    /// A side of the polygon. The polygon's area is the area to the right of its left sides (`sign` +1) minus
+    /// that to the right of its right sides (`sign` -1).
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

@@ -77,8 +77,8 @@ std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
 /// Checks an output path before the image is computed. Throws Error(wrong_arguments) if `write_image` does
 /// not accept the path. Throws Error(invalid_input) if the format's library cannot be loaded.
 void check_image_path(const std::filesystem::path& path);
-/// Throws Error(wrong_arguments) unless a path has the extension .exr. `what` is the contents of the file in
-/// the error message, for example "records".
+/// Throws Error(wrong_arguments) unless a path has the extension .exr. The error message states that `what`,
+/// for example "records", needs this extension.
 void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
@@ -103,8 +103,9 @@ enum class PictureValues {
 /// Reads the first part of any file that OpenImageIO can read. The image gets its first three channels, or
 /// one channel as grey. Integers and values tagged as sRGB are converted to scene-linear.
 ///
-/// The image covers the display window, or only the crop of a cropped file (write_image). Pixels outside the
-/// window are dropped. Pixels that the file does not store are black. Throws Error(invalid_input).
+/// The image covers the file's display window; if write_image cropped the file, it covers only the crop.
+/// Pixels outside are dropped. Pixels inside that the file does not store are black. Throws
+/// Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

@@ -25,8 +25,8 @@ struct PicturePart {
 /// the file cannot be read, or its pixels were changed.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
-/// Header attribute of a file with some samples of every pixel of a render
-/// (tracer/distributed/render_state.h).
+/// Attribute that marks an OpenEXR file as one part of a render: it contains some of the samples of every
+/// pixel (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
 /// Reads the JSON mark of a part of an image, or of a part of the samples of a render. Returns an empty text

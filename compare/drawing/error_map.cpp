@@ -33,7 +33,8 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Returns a difference's position on the map's logarithmic scale, 0 to 1. `steps` is in 8-bit sRGB steps.
+// Returns the position, 0 to 1, of a difference on the logarithmic colour scale of the error map. `steps` is
+// the difference in steps of 8-bit sRGB (1/255).
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

@@ -14,9 +14,11 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Tested blur diameters increase by 0.5 px up to 8 px, and then by a 16th.
+/// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
+/// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of compared pixels. More would not help: the tested apertures differ by about 10 % anyway.
+/// Largest number of pixels on which the lenses are compared. More pixels would not find a better lens,
+/// because the apertures of the tested lenses differ by about 10 % anyway.
 constexpr std::size_t most_pixels = 12000;
 /// Residuals above this limit count linearly. Beside depth edges, the blur model's own errors are about as
 /// large.
@@ -51,8 +53,8 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
     return out;
 }
 
-/// Returns a uniform disc as a kernel whose weights sum to 1. Each weight counts the disc's share of 8 x 8
-/// points.
+/// Returns a uniform disc as a blur kernel whose weights sum to 1. Each pixel's weight is the fraction of its
+/// 8 x 8 sample points that lie inside the disc.
 cv::Mat disc(double diameter_px) {
     const int reach = static_cast<int>(std::ceil(diameter_px / 2));
     cv::Mat out = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
@@ -111,8 +113,8 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS difference between the image and the blur of a lens. At inverse depth d, its blur
-    /// diameter is gain_px * |d - inverse_focus_per_m|.
+    /// Returns the RMS difference between the given image and the pinhole image blurred by a lens. At inverse
+    /// depth d, the lens blurs with a disc of diameter gain_px * |d - inverse_focus_per_m|.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -148,8 +150,9 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // Tries lenses with a largest blur of 0.7 px to a quarter of the image's width. Inverse focus distances
-    // cover the recorded depths, and half of their range beyond either end.
+    // Each tested aperture is given by its blur over the scene's depth range: 0.7 px to a quarter of the
+    // image width. Inverse focus distances span the scene's inverse depths, extended at each end by half
+    // their range.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,

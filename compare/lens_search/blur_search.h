@@ -1,4 +1,4 @@
-// Finds starting points for fitting a lens, by testing a grid of lenses.
+// Finds starting points for fitting a lens to an image, by testing a grid of apertures and focus distances.
 #pragma once
 
 #include <vector>
@@ -20,11 +20,11 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Tests a grid of about 4,000 lenses and returns the local minima of the error, at least one, smallest
-/// first.
+/// Blurs `pinhole` with about 4,000 lenses, and compares the results with `picture`. Returns the lenses at
+/// the local minima of the error, at least one, smallest error first.
 ///
-/// The pinhole image is blurred with uniform discs, as if neighbouring pixels had the same depth. Images
-/// wider than 256 px are downscaled first.
+/// Blur is approximated by uniform discs, as if neighbouring pixels had the same depth. Images wider than 256
+/// px are downscaled first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

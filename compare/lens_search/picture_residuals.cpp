@@ -13,12 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Number of depths at which the blur is computed. With many, the image changes smoothly with the lens.
+/// Number of depths for which blur kernels are computed. With this many, the image changes smoothly when the
+/// fit changes the aperture or the focus distance.
 constexpr int levels = 256;
-/// Half the step of the central differences in log aperture: 3 % of the aperture.
+/// The fit differentiates the image numerically with respect to the logarithm of the aperture. This is the
+/// change to either side: 3 % of the aperture.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Images in the cache: for two lenses, the blurred image and four for its derivatives.
+/// Number of computed images to keep, enough for two lenses. Each lens needs five images: its own, and four
+/// with a changed aperture or focus distance for the numerical derivatives.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -55,7 +58,7 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // Compares lenses with a tolerance for rounding errors, because the solver uses the aperture's logarithm.
+    // Compares with a tolerance, because the solver passes the aperture through a logarithm, which rounds it.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -64,8 +67,8 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // At a fixed field of view, blur depends only on the aperture diameter F / n. So the focal length F can
-    // have any value.
+    // At a fixed field of view, blur depends only on the aperture diameter F / n. So any focal length F gives
+    // the same image, here 1000 mm.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
-// Computes the residuals between a given image and the image that `focus` makes with a lens, and their
-// derivatives.
+// Computes the differences between a given image and the image that `focus` makes with a lens. Also computes
+// their derivatives with respect to aperture and focus distance.
 #pragma once
 
 #include <deque>
@@ -27,14 +27,15 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Computes the image of the lens `place`, and writes its differences from the wanted image to `out`.
-    /// Differences above `linear_from` count linearly instead of quadratically (robust).
+    /// Computes the image of a lens with the aperture and focus distance `place`. Writes its differences from
+    /// the given image to `out`. In a sum of squares, differences above `linear_from` count only linearly.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes each pixel's derivatives with respect to the logarithm of the aperture and to 1/s (s: focus
-    /// distance in m). `focus_step_per_m` is half the difference step in 1/s.
+    /// Writes each pixel's two derivatives: with respect to the logarithm of the aperture, and to the inverse
+    /// focus distance. The inverse focus distance is changed by `focus_step_per_m` to either side.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Writes the robust differences of `image` from the wanted image. `of_even` uses a constant image of the
-    /// median tone.
+    /// `of` writes the differences between `image` and the image to which the lens is fitted. `of_even` does
+    /// the same for a uniform image of median brightness. In a sum of squares, differences above
+    /// `linear_from` count only linearly.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -52,7 +53,7 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of the images computed for lenses, newest last, because the solver often returns to a lens.
+    /// Cache of the computed images of lenses, newest last. The solver often evaluates the same lens again.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -13,8 +13,8 @@ inline double picture_tone(double luminance) {
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
 }
 
-/// Limits the influence of outliers. Half the square of the result is Huber's loss [huber1964], linear above
-/// `linear_from`.
+/// Limits the influence of outliers on a least-squares fit: residuals above `linear_from` count linearly. The
+/// square of the returned residual is twice the Huber loss [huber1964].
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);
     return a <= linear_from ? residual

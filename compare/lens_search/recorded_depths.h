@@ -23,10 +23,11 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns 1 for pixels that receive no light from depth edges or from outside the recorded area. The
-/// simulated blur is reliable there.
+/// Returns one flag per pixel: 1 if the simulated blur is reliable there. This is so if the pixel receives no
+/// light from outside the recorded area, or from a pixel on a depth edge.
 ///
-/// In a depth edge, the circle of confusion varies by 1 px or more.
+/// A pixel is on a depth edge if the circles of confusion of its nearest and farthest depth differ by 1 px or
+/// more.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -24,7 +24,8 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
-// Returns 2 radius + 1 taps: `function` of the distance from the centre tap, in px.
+// Returns the 2 radius + 1 weights of a filter. Each is the value of `function` at the tap's signed distance,
+// in px, from the centre.
 template <typename Function>
 std::vector<double> taps_of(int radius, const Function& function) {
     std::vector<double> taps;
@@ -32,7 +33,8 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps so that positive ones sum to `share`, and negative ones to -share.
+// Scales the taps so that positive ones sum to `share`, and negative ones to -share. `share` is the weight of
+// the filter if the results of several filters are added.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -154,7 +156,8 @@ inline float clamp01(float v) {
     return std::min(std::max(v, 0.0F), 1.0F);
 }
 
-// A tile after FLIP's filters: its colours in L*a*b*, and the strength of edges and points.
+// A tile after FLIP's filters: its colours in L*a*b*, and how strongly FLIP's detectors respond to edges and
+// points at each pixel.
 struct Seen {
     TileChannel lightness, a, b, edges, points;
     Seen()

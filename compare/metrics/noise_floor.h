@@ -1,4 +1,5 @@
-// Measures the noise of two independent references, and the error of an image apart from it.
+// Measures the noise of two independent references, and estimates the error that an image would have against
+// a reference without noise.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@ namespace postlens {
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Upper bound of the estimate's bias, as a root mean square. The nonlinear sRGB encoding shifts the mean
-    /// of noisy values.
+    /// Upper bound, as a root mean square, of the bias of this estimate. The bias arises because the
+    /// nonlinear sRGB encoding shifts the mean of noisy values.
     double bias_rms = 0;
     /// Ends of the confidence interval of the image's RMS error: two standard errors below and above the
     /// estimate, widened by `bias_rms`.
@@ -27,16 +28,18 @@ struct NoisyError {
 
 struct NoiseFloor {
     double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
-    /// RMSE and relMSE of one reference alone (its noise), scene-linear. relMSE divides squared errors by M^2
-    /// + 0.01, with the mean M of the two references.
+    /// Noise of one reference in scene-linear values: its RMSE and relMSE against an ideal reference without
+    /// noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of both references.
     double reference_rmse = 0, reference_relmse = 0;
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Tells which reference the image is closer to; positive means the second. It is the difference of the
-    /// mean squared errors, in standard errors.
+    /// Tells which reference the image is closer to; a positive value means the second. The value is the
+    /// image's mean squared error against the first reference minus that against the second, divided by its
+    /// standard error.
     ///
-    /// It has a standard normal distribution if the image is independent of two equally accurate references.
+    /// If the references are equally accurate and the image is independent of them, it follows a standard
+    /// normal distribution.
     double preference = 0;
 };
 

@@ -29,8 +29,8 @@ struct PixelErrors {
 /// relMSE divides by b^2 plus this constant, so that black pixels have a finite error.
 inline constexpr double relmse_epsilon = 0.01;
 
-/// Returns the errors of `image` over the pixels that `mask` counts, which must be finite. Both images must
-/// have the same size.
+/// Returns the errors of `image` over the pixels that `mask` counts. In these pixels, both images must be
+/// finite. Both images must have the same size.
 [[nodiscard]] PixelErrors pixel_errors(const Picture& image, const Picture& reference, const PixelMask& mask);
 
 /// Returns 10 log10(1 / mse). Returns infinity if `mse` is 0.

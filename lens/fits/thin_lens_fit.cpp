@@ -51,8 +51,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     // Tries every division of the measurements into those behind and those in front of the focus. Keeps the
     // line with the smallest error.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // With a negative sign in front of the focus, circles of confusion are linear in the inverse distance
-        // x: c = K (q - x), with inverse focus distance q.
+        // Counts the diameters of circles of confusion in front of the focus as negative. Diameters are then
+        // linear in the inverse distance x: c = K (q - x), with inverse focus distance q.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;

@@ -55,8 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The phase changes by at most u + v radians over the pupil. 16 quadrature nodes integrate a phase change
-    // of pi up to rounding error.
+    // Over the pupil, the phase of the integrand changes by at most u + v radians. Each panel of 16
+    // quadrature nodes covers a change of at most pi, which it integrates up to rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +78,9 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // Intensity (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 = x * odd and U2 = x^2 * even. x = u
-        // / v cancels 1/u, so u may be 0 (Airy pattern).
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and U2 [born1999, 8.8]. With x
+        // = u / v, the loop computes the series `odd` = U1 / x and `even` = U2 / x^2. The factor x cancels
+        // 1/u, so u may be 0 (Airy pattern).
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -100,7 +101,8 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Encircled energy [born1999, 8.8, eq. 29]. Y1 sums the terms of odd order, and Y2 those of even order.
+    // Encircled energy for v <= u [born1999, 8.8, eq. 29]. In this equation, the series Y1 sums the terms
+    // with Bessel functions of odd order, and Y2 those of even order.
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

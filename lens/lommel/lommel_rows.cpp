@@ -14,16 +14,18 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and u/v.
+/// Two series of Bessel functions J_n(v) that give the intensity at defocus u and radius v. They are computed
+/// for eight values of v at once. x is the smaller of v/u and u/v.
 /// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
 /// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, .., without J_0.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series of SeriesLanes by upward recurrence, which is stable for orders n < v:
+/// Sums x^n J_n(v), with Bessel functions J_n, separately over odd and even n. Signs alternate in each sum.
+/// Uses upward recurrence, which is stable for orders n < v:
 ///
-///     t_(n+1) = n c t_n - x^2 t_(n-1)    with t_n = x^n J_n
+///     t_(n+1) = n c t_n - x^2 t_(n-1)    with t_n = x^n J_n and c = 2 x / v
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {
@@ -36,7 +38,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Signs of the series alternate in pairs: terms 2 and 3 are subtracted, 4 and 5 are added.
+    // Signs alternate within the even orders and within the odd orders. So orders 2 and 3 are subtracted, and
+    // orders 4 and 5 are added.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -103,8 +106,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The series of Lommel functions divides by zero at v = 0, and loses precision if u is small and v <= u.
-    // The slow lommel_intensity computes these samples.
+    // The fast series below divides by zero at v = 0, and loses precision if u is small and v <= u. For these
+    // radii v, the slower lommel_intensity computes the intensity.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

@@ -1,4 +1,5 @@
-// Computes I(u, v), the intensity near the focus, for many equidistant v at once.
+// Computes the diffraction intensity I(u, v) near the focus, for many equidistant v at once. In optical units
+// [born1999, 8.8.1], u is the defocus and v the radius.
 #pragma once
 
 #include <span>
@@ -7,9 +8,9 @@
 
 namespace postlens {
 
-/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. Terms below 1e-11
-/// of the mean are omitted. Results are bit-identical on all machines with the same sine and Bessel
-/// functions.
+/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. It sums a series,
+/// and omits terms below 1e-11 of the mean intensity. Results are bit-identical on all machines with the same
+/// sine and Bessel functions.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);
 
 }  // namespace postlens

@@ -12,11 +12,11 @@ struct PixelEnergySettings {
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
 };
 
-/// Fills `grid` with the energy of a response centred at (centre_x, centre_y) px from the grid's anchor. The
-/// profile must extend to `reach_px(grid, ..)`.
+/// Computes the energy in each pixel of `grid` from an impulse response whose centre is at (centre_x,
+/// centre_y) px. `profile`, its energy over the radius, must extend to `reach_px(grid, ..)`.
 ///
-/// A pixel's energy is what flows out through its borders. Neighbours share a border, so sums over pixels are
-/// exact.
+/// By the divergence theorem, a pixel's energy is an integral along its borders. Neighbours share a border,
+/// so sums over pixels are exact.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 

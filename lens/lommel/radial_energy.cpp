@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Weights that integrate dE/dv over one step, from the polynomial through the eight nearest values. They are
-/// symmetric, so only four are stored.
+/// Weights for integrating the encircled energy's derivative over one step of the radius. They are exact for
+/// the polynomial through the eight values nearest to the step. They are symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -19,8 +19,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small defocus |u|, a few diffraction fringes hold all energy and need fine steps. At large |u|, each
-    // fringe holds at most 1/|u| of the energy.
+    // At small defocus |u|, a few diffraction fringes hold all energy, so the table needs fine steps of the
+    // radius. At large |u|, each fringe holds at most 1/|u| of the energy, so coarse steps suffice.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 

@@ -8,11 +8,13 @@
 
 namespace postlens {
 
-/// The impulse response of a circular aperture at defocus u, over the optical radius v in [0, v_end]. Its
-/// steps resolve every fringe. A ring of width dv contains the energy I(u, v) v dv / 2, in total 1.
+/// Table of the impulse response of a circular aperture at defocus u, for radii v in [0, v_end], in optical
+/// units [born1999, 8.8.1]. The spacing of the radii resolves every diffraction fringe. A ring of width dv
+/// contains the energy I(u, v) v dv / 2, and all rings together 1.
 class RadialEnergy {
   public:
-    /// Returns the step of the optical radius v in a table for defocus u: 1/8 or 1/2.
+    /// Returns the spacing of the radii in a table for defocus u: 1/8 for |u| < 256, and 1/2 otherwise. Radii
+    /// and defocus are in optical units [born1999, 8.8.1].
     [[nodiscard]] static double step_for(double u);
     /// Returns the number of Bessel function values that a table up to optical radius v_end needs.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
@@ -29,8 +31,9 @@ class RadialEnergy {
 
     /// Returns the fraction of the energy within optical radius v <= v_end. The error is below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of the encircled energy `within` from 0 to v. Its differences give means over
-    /// intervals, without narrow diffraction fringes.
+    /// Returns the integral of the encircled energy `within` from radius 0 to v. The difference of two
+    /// integrals gives the mean of `within` over an interval, in which narrow diffraction fringes average
+    /// out.
     [[nodiscard]] double within_integral(double v) const;
     /// Returns the intensity at optical radii v = i step(), relative to the peak in focus.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }

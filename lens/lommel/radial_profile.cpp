@@ -35,8 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Estimates the encircled energy from its means over three adjacent intervals of width w, without
-        // narrower fringes. The weights (-1, 26, -1) / 24 are exact for cubics.
+        // Estimates the encircled energy at v from its means over three adjacent intervals of width w. Means
+        // are free of diffraction fringes narrower than w. The weights (-1, 26, -1) / 24 are exact for
+        // cubics.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -70,8 +71,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // Energy per px^2 of a thin ring: the energy I v dv / 2, divided by the area 2 pi r dr, is I v_per_px^2 /
-    // (4 pi), because v = r v_per_px.
+    // A thin ring of radius r has the energy I v dv / 2, where I is the intensity and v = r v_per_px.
+    // Dividing by the ring's area 2 pi r dr gives the energy per px^2: I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

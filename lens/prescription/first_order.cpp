@@ -80,8 +80,9 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A paraxial ray (height y, angle nu) from the first surface meets the stop at the height a y + b nu. So
-    // the entrance pupil, the stop's image, lies at b / a.
+    // A paraxial ray of height y and angle nu at the first surface meets the stop at the height front.a y +
+    // front.b nu. It passes the stop's centre if this is 0. So the entrance pupil, the stop's image, lies at
+    // front.b / front.a.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -102,8 +103,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // A ray from the point at z on the axis has the height y = -z nu at the first vertex, where nu is its
-    // angle. At infinity, nu is 0.
+    // A ray from the axis point at z meets the plane of the first vertex at the height y = -z nu, with the
+    // angle nu. So nu / y is -1 / z, and 0 if the point is at infinity.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

@@ -29,8 +29,8 @@ struct FirstOrder {
 
 /// Computes the properties at a wavelength, by default the prescription's.
 ///
-/// Throws Error(invalid_input) for an afocal lens (power times length below 1e-9), or a refractive index
-/// outside [1, 5].
+/// Throws Error(invalid_input) for a refractive index outside [1, 5], or for an afocal lens. A lens counts as
+/// afocal if its power times its length from first to last surface is below 1e-9.
 [[nodiscard]] FirstOrder first_order(const Prescription& lens);
 [[nodiscard]] FirstOrder first_order(const Prescription& lens, double wavelength_nm);
 
@@ -39,8 +39,8 @@ struct ParaxialRay {
     double y_mm = 0, nu = 0;
 };
 
-/// Returns the paraxial ray behind `surface`, in its vertex plane [born1999, 4.4.1]. `at_first` is the ray in
-/// air, in the vertex plane of the first surface.
+/// Returns a paraxial ray just behind `surface`, at the plane through the surface's vertex [born1999, 4.4.1].
+/// `at_first` is the same ray in front of the lens, at the plane through the vertex of the first surface.
 [[nodiscard]] ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, ParaxialRay at_first,
                                        std::size_t surface);
 

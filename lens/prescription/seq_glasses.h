@@ -1,5 +1,5 @@
-// Glasses of CODE V sequence files. A file names a glass of the catalogue, a code of its index and Abbe
-// number, or a private glass that it defines.
+// Finds the glasses of CODE V sequence files. A file names a glass by its catalogue name, by its refractive
+// index and Abbe number, or by a private name that the file defines.
 #pragma once
 
 #include <map>

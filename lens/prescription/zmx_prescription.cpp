@@ -132,7 +132,8 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
     } else if (key == "GLAS") {
         glass(words);
     } else if (key == "CLAP" || key == "FLAP") {
-        // CLAP and FLAP give the inner and outer radius of a ring that transmits light.
+        // In ZMX lens files, CLAP and FLAP describe a ring-shaped opening by its inner and outer radius. Only
+        // an inner radius of 0 is supported.
         if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
         s.aperture_radius = number(words, 2, "outer radius");
     } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||

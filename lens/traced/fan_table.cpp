@@ -69,8 +69,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // Beyond the table's depths, extrapolates only where rays meet the film. Their pupil positions and their
-    // light change little with depth.
+    // Beyond the table's range of depths, only the rays' landing points on the film are extrapolated. The
+    // rays' positions in the pupil, and their light, change little with depth and keep their last values.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -90,8 +90,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a tabulated quantity. It is the larger neighbour within the table, and grows
-// linearly beyond it.
+// Returns an upper bound of a tabulated quantity: the larger of the two neighbouring table entries. Beyond
+// the end of the table, the bound grows linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

@@ -35,8 +35,8 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from a point on the traced edge of the pupil to the modelled edge. The modelled pupil is
-// the intersection of three circles.
+// Signed distance from `at`, a point on the traced edge of the pupil, to the edge of the modelled pupil;
+// positive outside. The modelled pupil is the intersection of three circles.
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -74,8 +74,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals that fit the three circles to the pupil's traced edge, in pupil radii. The edge lies halfway
-// between neighbouring rays of which only one passes.
+// Adds residuals for fitting a model of the pupil, the intersection of three circles, to the traced edge. The
+// traced edge lies halfway between neighbouring rays of which only one passes the lens. Lengths are in pupil
+// radii.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);
@@ -95,8 +96,8 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Returns initial values of the pupil's three circles. They are the paraxial images of the stop and of the
-// first and last rim.
+// Returns initial values for the three circles whose intersection models the pupil. They are the paraxial
+// images of the stop, of the rim of the first surface, and of the rim of the last surface.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();
@@ -107,8 +108,8 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray from pupil height q, at field tangent t, meets this lens surface at the height a q -
-        // b t.
+        // A paraxial ray at the height q in the pupil, with field tangent t, meets this lens surface at the
+        // height a q - b t. Two traced rays give the factors a (for t = 0) and b (for q = 0).
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

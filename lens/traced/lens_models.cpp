@@ -23,8 +23,9 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // Polynomial terms for defocus, field curvature, astigmatism, spherical aberration and coma. By mirror
-    // symmetry, terms of x are odd in the pupil coordinate u, and terms of y even.
+    // Terms of the two polynomials for x and y of a ray's landing point on the film. They describe defocus,
+    // field curvature, astigmatism, spherical aberration and coma. By mirror symmetry, x is odd and y even in
+    // the pupil coordinate u.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -79,8 +80,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    // Searches for the field angle at which the chief ray lands field_mm from the film centre, or no longer
-    // moves outwards. Takes steps of one degree, then bisects.
+    // Searches for the field angle at which the chief ray lands field_mm from the film centre. Stops earlier
+    // if a larger angle does not land farther out. Takes steps of one degree, then bisects.
     double low = 0, reached_mm = 0;
     const auto grows = [&](double tangent) {
         const double mm = height(tangent);
@@ -182,8 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // If a ray passes only the model or only the traced lens, its error is its distance, on the film, from
-    // the nearest ray that passes both.
+    // A ray that passes only the model or only the traced lens cannot be compared with itself. Its error is
+    // its distance, on the film, from a ray that passes both: the nearest one in the pupil.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -29,14 +29,16 @@ struct ModelRay {
     bool passes = false;
 };
 
-/// Number of polynomial terms in the pupil point (u, v) and the field T. u and v are in pupil radii, with v
-/// along the field. T is the field tangent relative to the largest.
+/// Number of terms of the polynomial that predicts where a ray lands on the film. Its variables are the pupil
+/// point (u, v) and the field T. u and v are in pupil radii, with v along the field. T is the field tangent
+/// divided by the largest one.
 inline constexpr std::size_t pupil_terms = 13;
-/// Each term occurs alone and multiplied by the defocus K = 1/z' - 1/s, relative to the largest.
+/// The polynomial lens model has each term twice: as it is, and multiplied by the defocus K. K is 1/z' - 1/s
+/// for depth z' and focus distance s, divided by its largest value.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of three circles whose intersection is the pupil, in pupil radii. T is the field tangent and K the
-/// defocus, both relative to the largest.
+/// In the polynomial lens model, the pupil is the intersection of three circles. This is one of them, in
+/// pupil radii. T is the field tangent and K the defocus, each divided by its largest value.
 /// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
 /// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
@@ -67,10 +69,11 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b (may be infinite), in equal steps of inverse depth, and `count` field
-/// tangents. The chief ray of the largest tangent lands `field_mm` from the film centre.
+/// Returns `count` depths from a_m to b_m, in equal steps of inverse depth; b_m may be infinite. Also returns
+/// `count` field tangents from 0 on. The chief ray of the largest tangent lands `field_mm` from the film
+/// centre.
 ///
-/// Throws Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands there.
+/// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands there.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -80,20 +83,22 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns where a ray lands on the film according to one of the lens models. The polynomial model needs
-    /// set_polynomial.
+    /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent`
+    /// give the object point, and `pupil_mm` the ray's point in the pupil. The polynomial model must be set
+    /// with `set_polynomial` before.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the RMS error of a lens model's landing points on the film, in mm, over a uniform grid of the
-    /// pupil. Landing points are relative to the chief ray.
+    /// Returns the error of a lens model: the RMS distance on the film, in mm, between its landing points and
+    /// those of traced rays. Rays are on a uniform grid in the pupil. Landing points are relative to the
+    /// chief ray's.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick-lens model, a ray from an object at depth z' (m) through pupil point p lands on the film
-    /// at
+    /// Coefficients of the thick-lens model. A ray from an object at depth z' (m) through the pupil point p
+    /// lands on the film at the point
     ///
-    ///     p (thick_at_infinity() + thick_per_depth_m() / z')
+    ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

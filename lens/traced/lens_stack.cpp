@@ -49,14 +49,16 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // For precision, moves a ray origin over 100 radii of curvature away to the ray's point nearest to the
-    // vertex. For a tiny surface, rounding makes a second move necessary.
+    // Moves a ray's origin that is over 100 radii of curvature away along the ray, to the point nearest to
+    // the vertex. This keeps the intersection precise. For a tiny surface, rounding makes a second move
+    // necessary.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Intersects the ray p + t d with the conic of curvature c, c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986,
-    // 4.3]. t solves a t^2 - 2 b t + f = 0.
+    // Finds t for which the ray p + t d meets the surface c (x^2 + y^2 + q z^2) - 2 z = 0 [welford1986, 4.3].
+    // c is the curvature at the vertex, and q is 1 plus the conic constant. Inserting the ray gives the
+    // equation a t^2 - 2 b t + f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -64,11 +66,13 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
-        // The solution is f / (b + root) = (b - root) / a. Computes the form in which no digits cancel.
+        // The quadratic equation for t has the solution f / (b + root) = (b - root) / a. Of these equal
+        // forms, computes the one in which no digits cancel.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // Rejects intersections with the far side of an ellipsoid, beyond its widest circle.
+        // Rejects an intersection with the far half of an ellipsoid. The lens surface is only the half around
+        // the vertex.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {

@@ -14,7 +14,8 @@ namespace {
 
 /// Number of points of the distortion curve. Cubic interpolation then has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// A field tangent close to 0, for the paraxial scale (mm per tangent).
+/// A field tangent (tangent of the angle from the axis) close to 0. The paraxial image scale, in mm on the
+/// film per unit of tangent, is measured with it.
 constexpr double small_tangent = 1e-4;
 
 // Returns how far from the film centre the ray through the stop's centre lands, or a negative number if it is
@@ -63,8 +64,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If the landing radius r does not grow with the field angle, no ray passes the lens and the image is
-        // black. Linear extension keeps the distortion curve invertible.
+        // If the landing radius r does not grow with the field angle, no ray passes the lens at this angle,
+        // and the image is black there. The curve r is then continued linearly, so that it can still be
+        // inverted.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -72,8 +74,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Returns the mean weight of rays over the unit square of (u, v). Blocked rays have weight 0. The region of
-// passing rays is divided into triangles around its centre.
+// Returns the mean weight of the rays that can reach one film point. Each point (u, v) of the unit square
+// selects a ray, and blocked rays have weight 0. For integration, the region of passing rays is divided into
+// triangles around its centre.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -137,8 +140,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The film image is rotated by 180 degrees, so x changes its sign. y does not, because it points down on
-    // the raster and up on the film.
+    // The lens rotates the image on the film by 180 degrees, so x changes its sign. y also changes its sign a
+    // second time, because it points down on the raster and up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

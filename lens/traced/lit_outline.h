@@ -11,10 +11,11 @@
 
 namespace postlens {
 
-/// The outline of the region in which rays pass. `passes(p)` tests one ray, and `scale` is the region's
-/// approximate width.
+/// Finds the outline of the region in which rays from an object point pass a lens. `passes(p)` tells whether
+/// the ray through the point p of a plane passes. `scale` is the region's approximate width.
 ///
-/// The region must be symmetric about x = 0 and star-shaped, as for an object point on the +y axis.
+/// The region must be star-shaped, and symmetric about x = 0. This is so if the object point lies on the +y
+/// axis.
 template <class Passes>
 class LitOutline {
   public:
@@ -80,8 +81,8 @@ class LitOutline {
         }
     }
 
-    // Returns y of the centroid of the region of passing rays. `edge` outlines one of its two symmetric
-    // halves.
+    // Returns y of the centroid of a region that is symmetric about x = 0. `edge` is the outline of one of
+    // its halves.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {

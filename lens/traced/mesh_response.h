@@ -6,11 +6,11 @@
 
 namespace postlens {
 
-/// Returns the energy per pixel of size `pitch_mm` > 0 from a mesh of `TracedLens::impulse`, or nothing if no
-/// ray passes. The sum is 1. The chief ray lands at the centre of pixel (0, 0), and film point (x, y) at (-x,
-/// y) / pitch.
+/// Converts `mesh`, a grid of rays from `TracedLens::impulse`, to an impulse response: the energy in each
+/// pixel of size `pitch_mm` > 0. The sum is 1. Returns nothing if no ray passes.
 ///
-/// Throws Error(wrong_arguments) above 4096 px.
+/// The chief ray lands at the centre of pixel (0, 0). Film coordinates (x, y) become pixel coordinates (-x,
+/// y) / pitch_mm. Throws Error(wrong_arguments) if the response is wider than 4096 px.
 [[nodiscard]] ResponseGrid mesh_response(const PupilMesh& mesh, double pitch_mm);
 
 }  // namespace postlens

@@ -150,8 +150,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // Rays of different lens zones cross, which folds the image of this pupil cell. The images of two
-        // triangles cannot fold.
+        // The rays through this pupil cell cross, so the outline of its image on the film crosses itself. The
+        // cell is split into two triangles, whose outlines cannot.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis, as a mesh of rings and spokes. It covers the lit part of the
-/// pupil, from its centre to its edge.
+/// Traced rays of an object point on the +y axis. Their points in the pupil form a mesh of rings and spokes.
+/// It covers the part of the pupil through which light passes, from the centre to the edge.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< directions over half a turn of the pupil, from +y to -y
@@ -35,11 +35,12 @@ struct PupilFan {
     }
 };
 
-/// Traces the fan of an object point at inverse depth 1/z' and field tangent `tangent` >= 0. The inverse
-/// depth is 0 at infinity, and negative for converging light.
+/// Traces a fan, which is a bundle of rays from one object point through the lens. The point has the inverse
+/// depth 1/z' and the field tangent `tangent` >= 0. The inverse depth is 0 at infinity, and negative for
+/// converging light.
 ///
-/// The search begins at `near_m`, which receives the lit pupil's centre. Returns false, and leaves `out`
-/// unchanged, if no light passes.
+/// `near_m` is the pupil point at which the search for passing rays begins. It is set to the centre of the
+/// passing rays. Returns false, and leaves `out` unchanged, if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
@@ -52,11 +53,13 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, px from the response's raster position
 };
 
-/// Returns the largest distance, in px, between the object point's pinhole image and the response's light.
+/// Returns the radius, in px, of the impulse response that the rays of `fan` give. It is the largest distance
+/// of a landing point from the object point's pinhole image.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// Computes the response on the pixel grid. Each mesh cell's light is spread uniformly over the cell's image.
-/// Values add up to 1, except for light outside `window`.
+/// Computes the impulse response on the pixel grid. The rays of `fan` form a mesh, and the light of each mesh
+/// cell is spread uniformly over the area between its rays' landing points. Values add up to 1, except for
+/// light outside `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

@@ -75,7 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // The message names the surface at which a ray at 0.7 of the pupil radius ends.
+        // Here no ray passes the lens. The error message below names a surface at which light ends: for a ray
+        // at 0.7 of the pupil radius.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -90,8 +91,9 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // Depths and tangents are measured from the pinhole, which does not move with focus. The pupil does, so
-    // it sees a near object point in another direction.
+    // The object point is given by its depth and tangent from the pinhole, which stays in place when the lens
+    // moves for focusing. The entrance pupil moves with the lens, so the direction from a near point to the
+    // pupil changes.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -127,8 +129,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, and the direct search can fail. Then the
-    // search follows the pupil from the axis outwards.
+    // In a wide-angle lens, the pupil moves with the field angle, so the search from the pupil's centre can
+    // fail. Then the field angle is increased in steps from 0, and each search starts near the last result.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -196,8 +198,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The object's and the image's distances from the focal points satisfy x x' = n' efl^2, so x + x' is at
-    // least 2 sqrt(n') efl. Nearer objects cannot be focused by moving the lens.
+    // x and x' are the distances of the object and the image from the focal points, and n' is the index
+    // behind the lens. Because x x' = n' efl^2, x + x' is at least 2 sqrt(n') efl. Moving the lens cannot
+    // focus nearer objects.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -240,8 +243,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Uses only the largest connected group of passing rays. The mount of a real lens would block separate
-    // groups.
+    // Uses only the largest connected group of rays that pass the lens surfaces. In a real lens, the mount
+    // would block any separate group of rays.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -373,7 +376,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // Strong aberrations have moved the pupil. Searches all rays that meet the first lens surface.
+        // No ray passes near the expected pupil, because strong aberrations have moved the pupil. Searches
+        // all rays that meet the first lens surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);

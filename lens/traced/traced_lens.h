@@ -23,8 +23,9 @@ enum class FocusMove {
 };
 
 struct TracedLensSettings {
-    /// Focus distance s > 0 from the pinhole, may be infinite. If absent, the film is where the prescription
-    /// places it, or else the lens is focused at infinity.
+    /// Focus distance s > 0, measured from the pinhole of the camera; may be infinite. If it is absent, the
+    /// film is where the prescription places it. If the prescription states no film position, infinity is in
+    /// focus.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -40,8 +41,8 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// An object point's impulse response, as a grid of rays through the entrance pupil. A mesh that is filled
-/// again reuses its memory.
+/// Rays from one object point through a grid of points in the entrance pupil. They represent its impulse
+/// response. A PupilMesh that is filled again reuses its memory.
 struct PupilMesh {
     int nodes = 0;  ///< rays along each side of the grid; ray (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil

@@ -102,7 +102,8 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // The energy beyond the optical radius v is about (2/pi) v / (v^2 - u^2). Solves for v.
+    // Solves (2/pi) v / (v^2 - u^2) = tail for v. The left side is approximately the fraction of the energy
+    // that diffraction spreads beyond the radius v at defocus u.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }

@@ -85,8 +85,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // A sample of the diffraction pattern at the optical radius v takes about v steps to compute. The limit
-    // keeps the profile below a few seconds.
+    // Computing the diffraction pattern at one radius v, in optical units, takes time proportional to v. The
+    // limit on the number of radii keeps the total time below a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -199,8 +199,8 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid in px, which is odd. The grid contains all geometric light, which
-/// ends at `farthest_px`, and about 99 % of diffracted light.
+/// Returns the default width, an odd number of px, of the pixel grid for an impulse response. The grid
+/// contains all geometric light, which ends at `farthest_px`, and about 99 % of diffracted light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
@@ -237,8 +237,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // How far spherical aberration displaces light through the lens rim, in px. A coefficient X (1/m) adds X
-    // rho^2 to the defocus at lens radius rho.
+    // How far, in px, spherical aberration displaces a ray that passes the rim of the lens. Its coefficient X
+    // (1/m) adds X rho^2 to the defocus of a ray at rho lens radii from the centre.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

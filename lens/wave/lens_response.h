@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture for responses without diffraction. If absent, it is made from `impulse`. It is required
-    /// for aperture images.
+    /// Aperture for computing impulse responses without diffraction. If absent, it is made from `impulse`,
+    /// except for an aperture image, which must be given here.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -33,7 +33,7 @@ struct RadialSample {
 
 struct LensResponse {
     /// Fraction of the energy in each pixel; the sum is `energy_in_frame`. The scene point's geometric image
-    /// is at the grid's centre, a pixel's centre if sizes are odd.
+    /// is at the centre of the grid. This is also the centre of a pixel if width and height are odd.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed

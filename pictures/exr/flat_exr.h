@@ -35,8 +35,9 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
-/// Overwrites the file `path`. Returns the XXH3 hash of an uncompressed file. `shown_name` is the file name
-/// in error messages. Throws Error(cannot_write), for example if the disk is full.
+/// Overwrites the file `path`. Returns the XXH3 hash of the file if it is uncompressed, and empty otherwise.
+/// `shown_name` is the file name in error messages. Throws Error(cannot_write), for example if the disk is
+/// full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

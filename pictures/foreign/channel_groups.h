@@ -35,11 +35,12 @@ inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", 
 inline constexpr std::string_view vector_words[]{"vector",        "vectors",        "forward",  "motion",
                                                  "*motionvector", "*motionvectors", "*velocity"};
 
-/// The view (such as the left eye) and the layer of one channel, or of all channels of one pass.
+/// The view (such as the left eye) and the layer of one channel, or of all channels of one pass (such as
+/// depth).
 ///
-/// Programs order the words in names differently: LAYER.depth.Z, depth.LAYER.Z, or Z in a part depth_LAYER.
-/// So a layer is a set of words from the names of the part and the channel. It lacks the channel's last word
-/// (Z), and words for the pass (depth), the view or colours.
+/// Programs order the words of a channel name differently: LAYER.depth.Z, depth.LAYER.Z, or Z in a part
+/// depth_LAYER. So a layer is stored as the set of words that remain without the words for the view, the pass
+/// and the channel itself (Z or a colour).
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -47,8 +48,8 @@ struct ChannelGroup {
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// Returns the view and layer of those channels of a part whose names begin with `prefix`. The prefix ends
-/// with a dot, or is empty for channels without a layer.
+/// Returns the view and layer of the channels in a file part whose names begin with `prefix`. For example,
+/// `prefix` is "left.diffuse." for the channel left.diffuse.R. It is empty for channels without a layer.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 

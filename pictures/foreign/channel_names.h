@@ -1,4 +1,5 @@
-// Splits the names of channels into a layer and a component (such as R or Z), and compares their words.
+// Splits a channel name such as "left.depth.Z" into its layer "left.depth." and its component "Z". Also
+// searches for channels by name, and for words in a name.
 #pragma once
 
 #include <initializer_list>

@@ -36,9 +36,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. If there
-/// is a separate file for ids, only its flat parts may. Otherwise, only flat parts of the same stereo view
-/// may.
+/// Returns true if a part of an OpenEXR file may contain Cryptomattes that belong to the colours in the part
+/// `own`. Deep parts may not. If there is a separate file for ids, only its parts may. Otherwise, only parts
+/// of the same stereo view may.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -129,7 +129,8 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Finds the end of the name that begins at `begin` in a manifest of Cycles. Returns npos if no id follows.
+/// Finds the end of the name that begins at `begin` in a Cryptomatte manifest of Cycles, which consists of
+/// pairs "name":"id". Returns npos if no id follows the name.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -165,9 +166,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names, so this
-/// function escapes them. Such a manifest may also be valid JSON, but then the hashes of the names are not
-/// the ids.
+/// Returns a manifest (names and ids) as valid JSON. Cycles does not escape quotation marks and backslashes
+/// in names, so this function escapes them. If the manifest is already valid JSON, it is changed only if this
+/// makes the hashes of the names equal the ids.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

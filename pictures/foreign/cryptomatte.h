@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// One rank of a Cryptomatte describes one of the surfaces in a pixel. One channel holds the surface's id as
-/// the bits of a float, the other the fraction of the pixel that it covers.
+/// Names the two channels of one rank of a Cryptomatte. A rank describes one of the surfaces in each pixel.
+/// The channel `id` holds the surface's id as the bits of a float, and `coverage` the covered fraction of the
+/// pixel.
 struct MatteRank {
     std::size_t part = 0;
     std::string id, coverage;
@@ -40,7 +41,8 @@ struct Cryptomattes {
 /// Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
-/// Returns the view and layer of a Cryptomatte, from its name and the part of its first channels.
+/// Returns the view and layer to which a Cryptomatte belongs. They follow from its name, and from the file
+/// part that contains its first channels.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.

@@ -3,7 +3,8 @@
 
 namespace postlens {
 
-/// Encoding of a depth channel, where v is the value in the file and z the distance in the file's unit:
+/// Encoding of a depth channel, where v is the value in the file and z the distance in the file's unit. at_0
+/// and at_1 are the distances for v = 0 and v = 1.
 ///   distance    z = v
 ///   inverse     z = 1 / v
 ///   normalized  z = at_0 + v (at_1 - at_0)

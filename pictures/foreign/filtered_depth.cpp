@@ -15,8 +15,8 @@ namespace {
 constexpr double same = 0.05;
 /// Smallest step in depth that counts as an edge, as a fraction of the nearer depth.
 constexpr double least_step = 0.1;
-/// Depths must be nearly constant on both sides of an edge. This is the largest difference between
-/// neighbouring pixels there, as a fraction of the edge's step.
+/// An edge is detected only if depths are nearly constant beside it. On each side, neighbouring pixels may
+/// differ by at most this fraction of the step in depth at the edge.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
@@ -108,8 +108,9 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if neighbouring pixels of depths a and b can belong to one surface, beside a depth edge of height
-    /// `step`. a == b covers two infinite depths.
+    /// True if the depths a and b of neighbouring pixels beside a depth edge are nearly equal. They may
+    /// differ by a small fraction of `step`, the difference in depth across the edge. The test a == b covers
+    /// two infinite depths.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -142,8 +143,9 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels `begin` and `end` may also have slightly mixed depths. The depths of the two
-                // surfaces are therefore extrapolated from the pixels beyond them.
+                // Between the pixels `begin` and `end`, a filter mixed the depths of two surfaces. These two
+                // pixels may be slightly mixed, too. So the depth of each surface is extrapolated from the
+                // pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -167,8 +169,9 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // The depth must change noticeably at the two ends of a ramp. Otherwise, the last pixel is part of
-        // the surface beside the ramp.
+        // A ramp is a run of pixels in which a filter mixed the depths of two surfaces. If the depth hardly
+        // changes at one end of the run, the last pixel belongs to the surface beside the ramp, so this is
+        // not the ramp's end.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -190,8 +193,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A mixed depth may be found in a row and in a column. The larger step is kept, because a row along
-        // an edge may have only mixed depths.
+        // A pixel with mixed depths may be found along its row and along its column. Keeps the result in
+        // which the two surfaces' depths differ more, because a row along an edge may have only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

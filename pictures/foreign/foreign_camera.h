@@ -40,8 +40,8 @@ struct ForeignCamera {
     std::vector<std::string> assumed;
 };
 
-/// Determines the camera. docs/inputs.md lists the sources of each value. Throws Error(wrong_arguments) if a
-/// value in `choice` is not positive and finite. Ignores attributes with such values.
+/// Determines the camera. docs/inputs.md lists the sources of each value. Ignores attributes of the file
+/// whose value is not positive and finite. Throws Error(wrong_arguments) for such a value in `choice`.
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 

@@ -113,7 +113,8 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the channels with object ids, problems of other id channels are not reported.
+        // If the user names the channel that contains object ids, problems of other channels with ids do not
+        // matter, and are not reported.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -217,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // It does not matter which part of the file contains a Cryptomatte, so all are treated as if they
-            // were in the part with the colours.
+            // Any part of the file may contain a Cryptomatte. To compare it with the layer of the colours,
+            // each Cryptomatte is treated as if it were in the part with the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -26,14 +26,16 @@ class ForeignDepths {
     /// surface was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Decodes the depth value stored for pixel (x, y). Returns the inverse of its absolute distance.
+    /// Decodes the depth value stored for pixel (x, y). Returns 1 / |z|, where z is the decoded distance in
+    /// the file's unit.
     float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
     /// Collects statistics of the depths, for checks after all have been read. `z` is the distance that was
     /// decoded from `value`.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Sets the depths of a flat image's samples, after repairing depths that were filtered like colours.
-    /// `depths` has one stored value per pixel, `covered` its alpha.
+    /// Sets the depths of a flat image's samples. First repairs depths that were averaged at edges or
+    /// multiplied by alpha, as colours are. `depths` has one stored value per pixel, and `covered` the
+    /// pixel's alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts each pixel's samples from near to far.

@@ -79,8 +79,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A small file may be a crop of a large display window. So only an implausibly large window is compared
-    // with the size of the file.
+    // If the display window is implausibly large, compares it with the size of the file to detect damage.
+    // Smaller windows are not compared, because a small file may be a crop of a large image.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -108,8 +108,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// of the largest chunk in bytes.
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // With ZIP, the most common compression, a band of rows has only four chunks to decompress. So two
-    // threads suffice.
+    // A band of rows is read at once. With ZIP, the most common compression, it has only four chunks to
+    // decompress, so two threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -300,8 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Files with luminance and chroma store no green. It is computed by a division by the weight of green,
-    // out[1], which must not be 0.
+    // Files with luminance and chroma do not store green. Green is computed from them by dividing by its
+    // luminance weight, out[1], so this weight must not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

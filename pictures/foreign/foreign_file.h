@@ -38,8 +38,8 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Converts an integer, stored as the bits of a float, to its value. ForeignFile stores integer channels in
-/// this form.
+/// Returns the value of an unsigned integer, given as a float with the same bits. ForeignFile stores the
+/// values of integer channels in this form.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }

@@ -21,8 +21,8 @@ namespace {
 
 using Take = std::function<void(int, std::span<const float* const>)>;
 
-/// Returns the compression of a part if ChunkCodec can expand it, in a third of the library's time. The part
-/// must have scanlines, and a value of every channel for each pixel.
+/// Returns the compression of a part if ChunkCodec can decode it, which takes a third of the OpenEXR
+/// library's time. Returns empty otherwise, for example if the part is tiled or a channel is subsampled.
 std::optional<ChunkCompression> own_compression(const ForeignPart& part, const Imf::Header& h) {
     if (part.tiled || h.compression() > Imf::ZIP_COMPRESSION) return std::nullopt;
     for (auto c = h.channels().begin(); c != h.channels().end(); ++c) {
@@ -199,8 +199,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Returns the first x (or y) from `from` on at which a subsampled channel stores a value: a multiple of
-    // the sampling step `every`.
+    // Returns the first x (or y) at which a subsampled channel stores a value: the smallest multiple of the
+    // sampling step `every` that is not below `from`.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {

@@ -22,8 +22,8 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, in 1/m, from which the sample's blur is computed instead, for example because the user
-    /// keeps an object in focus. Negative if unused.
+    /// Inverse depth, in 1/m, that replaces `inverse_z` when the sample's blur is computed, for example
+    /// because the user keeps an object in focus. Negative if `inverse_z` is not replaced.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -34,8 +34,10 @@ struct StackSample {
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
-/// is opaque. If the last sample is opaque, the scene behind it is unknown, and the result is at most
-/// opaque_transmittance. With `is_nothing_behind`, the scene there is empty, and the result is 1.
+/// is opaque.
+///
+/// If the last sample is opaque, the scene behind it is not recorded. The result is then at most
+/// opaque_transmittance. But if `is_nothing_behind` states that this scene is empty, the result is 1.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
@@ -51,8 +53,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of the surface, in 1/m (0 for infinity). Empty if the surfaces of a pixel are
-    /// distinguished by object ids.
+    /// Inverse depth of the surface, in 1/m (0 for infinity). It distinguishes the surfaces of a pixel. Empty
+    /// if object ids distinguish them instead.
     std::optional<float> inverse_z;
 };
 
@@ -99,8 +101,8 @@ struct ForeignPicture {
     [[nodiscard]] bool is_nothing_behind(std::size_t pixel) const {
         return !ends_in_nothing.empty() && ends_in_nothing[pixel] != 0;
     }
-    /// Returns the sample of a pixel, from near to far, at which the composited alpha reaches one half. Null
-    /// if there is none.
+    /// Composites the samples of a pixel from near to far, and returns the one at which alpha reaches one
+    /// half. Returns null if there is none.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
         double left = 1;
         for (const StackSample& s : stack(x, y)) {
@@ -115,8 +117,9 @@ struct ForeignPicture {
     /// Composites the samples of each pixel, and returns the image. Its `alpha` is empty if all pixels are
     /// opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// True if all stored pixels are opaque and no sample is a holdout. Blur then makes pixels translucent
-    /// only where it reveals hidden areas.
+    /// True if all stored pixels are opaque and no sample is a holdout, which hides what is behind it but has
+    /// no colour. Blur then makes pixels translucent only where the lens sees areas that are hidden in the
+    /// image.
     [[nodiscard]] bool is_opaque() const;
     /// Returns the depth, in metres, at which the composited alpha of a pixel reaches one half, or infinity.
     /// Throws Error(wrong_arguments) outside the stored pixels.

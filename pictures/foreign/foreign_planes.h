@@ -1,4 +1,5 @@
-// Reads channels of other parts and other files at the pixels of the part with the colours.
+// Reads channels from other parts and other files than those of the colours. Shifts them to the pixel grid of
+// the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +13,20 @@
 
 namespace postlens {
 
-/// Reads channels of a flat part at the pixels of another part, `onto`, whose display window has the same
-/// upper left corner. Calls `take` for each row of common pixels:
+/// Reads channels of a flat part, and shifts them to the pixels of another part, `onto`. The upper left
+/// corners of both display windows are matched. Calls `take` for each row of pixels that both parts store:
 /// `pixel`: index of the row's first pixel in `onto`
 /// `count`: number of pixels
-/// `values`: the values in channel c begin at values[c][from]
+/// `from`, `values`: the values of channel c begin at values[c][from]
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel for all pixels of the part `onto`, row by row. With `converts`, integers
-/// are converted to floats. Throws Error(out_of_memory).
-/// Pixels that `part` does not store get the value `otherwise`. Beyond the border of the display window, they
-/// get the nearest stored value instead.
+/// Returns the values of a channel of `part`, row by row, for all pixels of another part, `onto`. With
+/// `converts`, integers are converted to floats. Throws Error(out_of_memory). Pixels that `part` does not
+/// store get the value `otherwise`. But pixels beyond the border of the display window get the nearest value
+/// that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

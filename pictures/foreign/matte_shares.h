@@ -17,12 +17,13 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto` is the part of the file that contains the colours. The coverage of objects is determined for
-    /// its pixels.
+    /// `onto` is the part of the file that contains the colours. For each of its pixels, the fractions that
+    /// objects cover are computed from the Cryptomatte.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels in `part` that the caller can read together with the colours. Empty
-    /// if the first rank, which must be read first, is elsewhere.
+    /// Returns the Cryptomatte channels in `part` that the caller can read together with the colours. Returns
+    /// empty if the channels for the object that covers most of a pixel, which must be read first, are in
+    /// another part.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the Cryptomatte values of `count` adjacent pixels, from the index `pixel` on. values[c]
     /// points to the values of channel c.

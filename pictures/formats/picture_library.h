@@ -46,8 +46,8 @@ class PictureReader {
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
-/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as text
-/// of one or more lines.
+/// Interface to a library, OpenImageIO, that reads and writes image files. The library throws only
+/// std::bad_alloc. It returns other errors as text of one or more lines.
 class PictureLibrary {
   public:
     PictureLibrary() = default;

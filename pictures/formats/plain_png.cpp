@@ -27,7 +27,8 @@ struct PlainPng {
     std::string made_by;   ///< postlens.made_by; empty if there is none
 };
 
-/// `data` is a tEXt chunk of a PNG file. If its key is `key`, `value` becomes its text.
+/// Reads a text chunk (tEXt) of a PNG file, `data`, which consists of a keyword and a text. If the keyword
+/// equals `key`, sets `value` to the text.
 void take_text(std::string_view data, std::string_view key, std::string& value) {
     if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
         value = data.substr(key.size() + 1);

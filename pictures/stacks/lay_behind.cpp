@@ -17,8 +17,8 @@ namespace {
 /// Two inverse depths that differ by at most this relative amount count as equal. Rounding to half floats
 /// causes such differences.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image counts as nearer if it is nearer than the front image by more than this
-/// fraction of its distance. Smaller differences are noise in the depths.
+/// Two images of the same view are combined, one behind the other. A sample of the back image counts as
+/// nearer if its distance is smaller by more than this fraction. Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -42,8 +42,9 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel), or
-/// infinity if the stack transmits light.
+/// Returns the inverse depth, 1/m, of the farthest sample of a stack (the samples of a pixel) if the stack is
+/// opaque. Samples behind this depth are visible only if the stack transmits light. Then returns infinity, so
+/// that samples of any depth count as visible.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -71,15 +72,17 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the combined image. `front` and `back` are the first rows of both
-/// images. If the front image ends inside the raster (front > 0), nothing of it is missing, and the smaller
-/// of the two is returned. Otherwise, the back image must not show in place of missing objects of the front
-/// image.
+/// Returns the first row (or column) of the image that combines a front and a back image. `front` and `back`
+/// are their first rows.
+///
+/// If the front image begins inside the raster (front > 0), the area before it is empty, so the back image
+/// shows there. Otherwise, the front image may lack objects there, so nothing is added.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the combined image, by the rule of begin_of_both. The raster
-/// has `size` rows or columns.
+/// Returns the end (last row or column + 1) of the image that combines a front and a back image. `front` and
+/// `back` are their ends, and `size` is the end of the raster. The back image extends the front image only if
+/// the front image ends inside the raster.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
@@ -116,7 +119,8 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     out.ends_in_nothing.reserve(pixels);
     LaidBehind found;
     std::size_t nearer = 0;
-    // Pixels of the image that the file does not store are empty.
+    // True if the contents of a pixel are known: either the file stores the pixel, or it is inside the raster
+    // and therefore empty.
     const auto is_known = [](const ForeignPicture& p, int x, int y) {
         return p.stores(x, y) || (x >= 0 && x < p.width && y >= 0 && y < p.height);
     };

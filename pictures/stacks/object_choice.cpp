@@ -40,7 +40,7 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
 }
 
 /// Returns the ids that the user's text `object` can mean, best first:
-/// - the id of this name in the manifest
+/// - the id that the Cryptomatte's manifest (list of names and ids) gives for this name
 /// - the hash of the name
 /// - for an integer, the id itself, or the bits of a float with this value
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
@@ -102,21 +102,23 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If this mask was already applied to the pixel, the same samples are chosen again.
+        // If the current mask has already selected samples of this pixel, the same samples are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Different masks usually cover different objects, so samples without a mask are chosen first.
-        // Samples of other masks follow if more coverage is needed.
+        // Each mask states which fraction of a pixel one object covers. Different masks usually cover
+        // different objects, so samples that no other mask has selected are chosen first. Others follow if
+        // they are needed to cover the fraction.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples with wanted(sample), at the depth of the nearest sample, until they cover the fraction
-    /// `share` of the pixel. Returns the uncovered fraction.
+    /// Chooses samples for which wanted(sample) is true, until they cover the fraction `share` of the pixel.
+    /// Considers only samples as near as the nearest sample of the pixel. Returns the fraction that remains
+    /// uncovered.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

@@ -13,8 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is for
-/// depths mixed by a filter, which affects neighbouring pixels, too.
+/// Pixels that show several surfaces are divided with the help of nearby pixels that show only one of these
+/// surfaces. These are the search radii, in px. The larger one is for depths averaged by a filter, which
+/// affects neighbouring pixels, too.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
@@ -35,8 +36,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this fraction of the pixel shows empty space, because nearby pixels of the same depth have no
-    /// colour and no alpha.
+    /// True if this portion of the pixel shows empty space. Then the nearby pixels from which its colour was
+    /// taken have no colour and no alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -88,8 +89,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Pixels that the file does not
-    /// store have the index `unstored`.
+    /// Calls visit(index, squared distance) for all pixels at most `reach` px from `pixel` in x and in y.
+    /// Pixels that the file does not store have the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -177,8 +178,8 @@ class Unmixer {
         }
     }
 
-    /// Clamps channel `c` of a pixel's surfaces to at least 0, and alpha to at most 1. Preserves their mean,
-    /// `whole`, weighted by coverage.
+    /// Clamps channel `c` of the surfaces in one pixel: colours to at least 0, and alpha to 0..1. Then
+    /// adjusts the values so that their mean, weighted by coverage, stays `whole`, the pixel's value.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
