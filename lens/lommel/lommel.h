@@ -22,10 +22,12 @@ namespace postlens {
 /// O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
-/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u: (2 / pi) v
-/// / (v^2 - u^2). This mean over diffraction fringes is derived from Lommel's functions for large v.
+/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u:
 ///
-/// Valid only if v - |u| exceeds both 8 sqrt(|u|) and 30.
+///     (2 / pi) v / (v^2 - u^2)
+///
+/// This mean over diffraction fringes is derived from Lommel's functions for large v. It is valid only if v -
+/// |u| exceeds both 8 sqrt(|u|) and 30.
 [[nodiscard]] double energy_beyond(double u, double v);
 
 }  // namespace postlens
