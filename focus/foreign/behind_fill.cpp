@@ -21,6 +21,8 @@ constexpr float least_step_px = 1;
 /// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
 /// the largest distance of the search for them, in px.
 constexpr float farthest_px = 512;
+/// Largest number of steps to an edge that is counted exactly. It stands for this number or more.
+constexpr std::uint8_t many_steps = 255;
 
 /// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.
 /// - `own`: radius for the true depth
@@ -253,7 +255,7 @@ class BehindSearch::Impl {
 
     /// For each pixel, counts the steps along the direction `d` to the next edge, i.e. where the surface
     /// becomes farther away. Sets `steps` to 0 if there is no such edge.
-    void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
+    void find_steps(const Direction& d, std::vector<std::uint8_t>& steps) const {
         steps.assign(pixels(), 0);
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
@@ -281,13 +283,11 @@ class BehindSearch::Impl {
     }
     template <typename IsFarther>
     static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
-                            std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
-        constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
+                            std::vector<std::uint8_t>& steps, const IsFarther& is_farther_than) {
         const auto count_at = [&](std::size_t i) {
-            const std::uint16_t beyond = steps[next + i];
-            const auto steps_on =
-                static_cast<std::uint16_t>(beyond == 0 || beyond >= most_steps ? 0 : beyond + 1);
-            steps[here + i] = is_farther_than(next + i, here + i) ? std::uint16_t{1} : steps_on;
+            const std::uint8_t beyond = steps[next + i];
+            const auto steps_on = static_cast<std::uint8_t>(beyond + (beyond != 0 && beyond < many_steps));
+            steps[here + i] = is_farther_than(next + i, here + i) ? std::uint8_t{1} : steps_on;
         };
         if (backwards) {
             for (std::size_t i = count; i-- > 0;) count_at(i);
@@ -318,6 +318,7 @@ class BehindSearch::Impl {
             if (steps == 0 || distance_px > limit_px) return {};
             x += steps * d.dx;
             y += steps * d.dy;
+            if (steps == many_steps) continue;
             const Radii last = last_at(x, y);
             if (!is_farther(last, own) || !reach_each_other(distance_px, own, last)) continue;
             auto stack =
@@ -375,7 +376,7 @@ class BehindSearch::Impl {
     bool has_ids_;
     std::vector<float> last_px_,
         blur_px_;  ///< radii of every pixel; `blur_px_` is empty if it equals `last_px_`
-    std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
+    std::array<std::vector<std::uint8_t>, directions.size()> steps_to_farther_;
     std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;
 };
