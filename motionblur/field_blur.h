@@ -23,8 +23,8 @@ struct FieldBlurSettings {
     std::optional<Crop> crop;
 };
 
-/// Returns the directly visible surfaces of a file, one mesh per recorded instant. As a simplification,
-/// colours seen in a mirror or through glass move with the surface of the mirror or glass.
+/// Returns the directly visible surfaces of a file, one mesh per recorded instant. Reflections are assumed to
+/// move with the mirror, and refractions with the glass.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
@@ -34,8 +34,7 @@ struct FieldBlur {
     std::vector<double> instant_shares;
 };
 
-/// Bit of PatchPicture::touched that marks pixels to redraw. It is set where an object of `wanted_ids` may
-/// change the pixel, and where a view (image at one instant) finds no recorded surface.
+/// Bit of PatchPicture::touched for pixels that must be redrawn.
 inline constexpr std::uint8_t wanted_mark = 2;
 
 /// Blurs moving objects as the mean of many views. A view is the pinhole image at one instant, reprojected
@@ -48,16 +47,14 @@ inline constexpr std::uint8_t wanted_mark = 2;
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the mean of the views (reprojected images) of `field`, in the image tiles that overlap `crop`. Sets
-/// `unknown`, the fraction of views without a recorded surface, to 0 in pixels that no moving object changes.
+/// Draws the mean of the views (images at different instants) in the tiles that overlap `crop`.
+/// PatchPicture::unknown is 0 where nothing moves.
 ///
-/// `field.sets` must have exactly one element. `field.class_marks` must not be empty, because it identifies
-/// the moving objects.
+/// `field.sets` must have one element, and `field.class_marks` must not be empty.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies the pixels of `seen` whose flags `touched` contain a bit of `marks` to `image`. The fraction
-/// `unknown` of a pixel shows no recorded surface, and is filled with the colour of `behind`. `behind` may be
-/// empty if `unknown` is 0 everywhere.
+/// Copies the pixels of `seen` that have one of the flags `marks` to `image`. Fills gaps with the colours of
+/// `behind`.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

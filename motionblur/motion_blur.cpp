@@ -29,9 +29,8 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted Crossing::most_mse, the error bound where two groups of moving objects pass over the same
-/// pixels. At this limit, the measured PSNR is at least 45 dB, because actual errors are much smaller than
-/// the bound.
+/// Largest accepted Crossing::most_mse, a pessimistic error bound where moving groups overlap. The measured
+/// PSNR at this limit is at least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -185,18 +184,14 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 pixel rows is needed for two reasons. The outermost samples extend by a quarter of
-        // a quadtree cell, and the motion path is rounded by up to half a raster cell.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
         };
+        // The margin of 2 pixel rows covers the extent of the samples and the rounding of the motion path.
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Groups the objects that convolution will blur, and finds all surfaces in the pixel rows over which
-    /// they move. With `automatic`, groups for which depth slices are inaccurate are left to the method
-    /// lightfield.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -256,8 +251,7 @@ class MotionBlur {
         });
     }
 
-    /// Blurs all groups of moving objects by convolution. With `automatic`, the method lightfield later
-    /// redraws groups that pass over the same pixels as another group, if this causes a large error.
+    /// With the method `automatic`, leaves overlapping groups with a large error to the method `lightfield`.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -287,9 +281,8 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so there is no static background. The background is
-            // interpolated from the light field (the mean of many views) instead. The light field must then
-            // cover the whole image, because otherwise a crop would change the background.
+            // No pixel is static, so the whole image is drawn again to interpolate the background. Otherwise,
+            // the background would depend on the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -311,9 +304,8 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns the background behind moving objects, interpolated from static pixels. If there are none, it is
-    // interpolated from the image `p` of the method lightfield, where at least one instant shows a recorded
-    // surface.
+    // Returns the background behind moving objects, interpolated from static pixels. Without static pixels,
+    // it is interpolated from the blurred image `p`.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();

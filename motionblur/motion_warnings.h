@@ -43,16 +43,14 @@ class UnseenMotion {
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether, at any time of the exposure, a part of an object is missing because the border of the
-/// recorded area cuts it off. The object counts as whole if the records of the frame, or of the recorded
-/// instant before or after this time, show all of it.
-///
-/// `instants` contains bounding boxes at the usable instants, beginning with the frame's time.
+/// Returns whether a part of an object is missing during the exposure, because it was outside the recorded
+/// area.
+/// - `instants`: bounding boxes of the objects at the usable recorded instants, the frame's time first
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects of which the border of the recorded area cuts off a part
-/// (`is_cut`). If the camera moves, objects blurred by the method lightfield are exempt.
+/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (is_cut). If
+/// the camera moves, objects blurred by `lightfield` are exempt.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

@@ -17,8 +17,8 @@ namespace postlens {
 /// once for each of these positions.
 inline constexpr int most_places = 64;
 
-/// Automatic numbers M of views. If a motion repeats k times during the exposure, M views show only M /
-/// gcd(M, k) different phases of it. These are usually all M phases, because M is prime.
+/// Automatic numbers of views. They are prime so that the views show a periodic motion at as many different
+/// phases as possible.
 inline constexpr std::array automatic_views{131, 257, 521};
 inline constexpr int most_views = 4096;  ///< largest number of instants (views) that a user may set
 

@@ -15,11 +15,10 @@ namespace postlens {
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces each pixel over which nothing moves (`touched` is 0) by the mean of the images at all recorded
-/// instants, because shadows and lights may change. `shares` are the weights of the instants.
-///
-/// `elsewhere` (sorted ids) are moving objects that are drawn separately. An instant does not contribute to a
-/// pixel in which it shows one of them.
+/// Replaces pixels over which nothing moves (`touched` is 0) by the mean of all recorded instants, because
+/// shadows and lights may change.
+/// - `shares`: weights of the instants
+/// - `elsewhere`: sorted ids of moving objects; instants at which a pixel shows one are left out
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

@@ -76,8 +76,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the measured error of the recorded colours is least certain. The other tiles
-/// together add at most `most_variance` to the variance of the image's measured error.
+/// Selects the tiles with the most uncertain error of recorded colours. The other tiles contribute at most
+/// `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -85,9 +85,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles in which highlights must be traced by rays, because spreading them by the lens's point
-/// spread function causes a measurable error. The highlights of all other tiles cause at most a quarter of
-/// the target error `most_mse`.
+/// Selects the tiles in which rays must trace highlights, because spreading them by the lens's point spread
+/// function is too inexact.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -146,14 +145,10 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes the image by the method `layers`. Later, each tile blends it with the mean of its views (reprojected
-/// images). Returns nothing if this would take longer than drawing the first 16 views. Measured times:
-/// - `layers`, per record: 0.4 to 0.7 us
-/// - `layers`, per addition to a pixel (layer_sums): 0.05 to 0.3 us
-/// - view, per pixel: 0.1 to 0.4 us
+/// Makes the image by the method `layers`, or returns nothing if drawing 16 views is faster.
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Measured time of the method `layers` per recorded surface sample, and per addition to a pixel. The unit
-    // is the time for reprojecting one pixel of a view.
+    // Measured times per recorded surface sample and per addition to a pixel, relative to reprojecting one
+    // pixel of a view (0.1 to 0.4 us).
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -257,9 +252,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More lens points do not reduce the error of highlights. If this error is more than twice the
-            // target, it suffices that the noise falls to a quarter of this error. So doubled_for gets half
-            // of this error, because it allows noise of half its argument.
+            // More lens points do not reduce the error of highlights, so the noise need not be much smaller
+            // than this error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

@@ -30,8 +30,8 @@ constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
 constexpr float tolerated_unknown = 0.02F;
-/// The scene is traced again with better settings if more than this fraction of the image's squared error is
-/// still unexplained.
+/// The scene is traced again with better settings if more than this fraction of the image's squared error has
+/// no known cause yet.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -119,8 +119,8 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of an error that a light field of the same recorded data does not have. A light field is
-/// the mean of many views (images from different lens points).
+/// Returns why an image has an error that the mean of many views (images from different lens points) does not
+/// have.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -151,9 +151,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // Makes a light field: the mean of images reprojected from the same samples, in which occlusion and
-    // motion are correct. In pixels where the light field has a much smaller error than the tested image, the
-    // method of the tested image is the cause of its error.
+    // Makes a reference with correct occlusion and motion from the same samples. Where the reference is much
+    // better than the image, the image's method caused the error.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -226,20 +225,16 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // The samples of further instants add surfaces that rotate into view, and new colours of surfaces
-            // that were already recorded. If almost no light was missing before, the new colours must have
-            // corrected the pixel.
+            // Additional instants can add missing surfaces or new colours. Almost nothing was missing before,
+            // so new colours must have corrected the pixel.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // Assumption: the squared difference between the colour of an unrecorded surface and the colours
-            // around it is the local contrast (their variance). It is at least the mean contrast of the
-            // image.
+            // Assumed squared difference between an unrecorded surface and its surroundings: the local
+            // contrast (variance), but at least that of the image.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // `beyond` is the fraction of light from outside the traced area. It is subtracted here, because
-            // it counts as another cause of error, frame_edge.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

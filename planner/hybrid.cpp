@@ -32,8 +32,7 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time of the method `scatter` relative to the time for one view (image from one lens point). In pixels
-/// where `scatter` is exact, it is used instead of views if these would take longer.
+/// Time of the method `scatter`, in multiples of the time for one view (image from one lens point).
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -86,9 +85,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should trace the highlights. In these tiles, spreading them by the
-/// lens's point spread function causes an error that exceeds two limits: its own standard error, and the
-/// noise that rays would have.
+/// Returns 1 for tiles in which rays should trace the highlights, because spreading them by the lens's point
+/// spread function is less exact than rays.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

@@ -28,9 +28,8 @@ struct HybridSettings {
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects the lens points from which rays are also traced for a pixel, to compare their colours with the
-    /// recorded samples (FieldViews::checked). Only used with a scene. The measured error,
-    /// HybridResult::stated, then stays empty.
+    /// Selects the lens points where traced rays check a pixel's recorded colours. If set,
+    /// HybridResult::stated stays empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
@@ -46,8 +45,8 @@ struct HybridResult {
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
     /// Set only with a scene, for each pixel of the whole image:
-    /// - `traced`: fraction of the lens points whose sample comes from a traced ray instead of the file
-    /// - `checks`: differences in colour between traced rays and samples of the file
+    /// - `traced`: fraction of the lens points with colours from rays
+    /// - `checks`: differences in colour between rays and the file
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was computed: 0 as a mean over lens points, 1 by the method

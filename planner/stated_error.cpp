@@ -12,9 +12,8 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image of the scene is blended into a tile. The weight minimises the
-/// estimated squared error plus `price` times the variance of this estimate. So a higher `price` leads to
-/// errors that are known better.
+/// Returns the weight with which another image is blended into a tile. Minimises the estimated squared error
+/// plus `price` times its variance.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -88,8 +87,8 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // Leaves out the error of the sample file, because it is the same for any weights with which the views
-    // and the other image are blended.
+    // The error of the sample file is left out, because it does not depend on the weights of the blended
+    // images.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -97,8 +96,6 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // Each step chooses the weights that minimise the error plus `price` times the variance of its estimate.
-    // `price` is 0 in the first step, small in the second, and then doubles in each step.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

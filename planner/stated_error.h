@@ -55,10 +55,8 @@ struct StatedError {
 /// and the mean of infinitely many views. `bias` is the squared error of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight with which another image is blended with the views. First tries the
-/// weights with the smallest estimated error. While the 95 % confidence interval of the error is wider than
-/// wanted_interval_db, tries weights whose errors are larger but known better. If the interval always stays
-/// too wide, chooses the weights with the smallest StatedError::high_mse.
+/// Chooses, for each tile, the weight of another image that is blended with the views. Accepts larger errors
+/// for a 95 % confidence interval of at most wanted_interval_db.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -17,8 +17,7 @@ constexpr int vectors = tile / lanes;
 /// Number of products that are summed in single precision. It keeps the rounding error below 34 * 2^-24 of
 /// the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time for a run of equal weights in a row of the blur kernel, in multiples of the time for one weight. Runs
-/// of at most this length are processed weight by weight.
+/// Time to process a run of equal weights of the blur kernel, in multiples of the time for one weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights count as equal. Rounding makes equal weights differ slightly.
 constexpr double equal_weights = 1e-9;
@@ -36,11 +35,10 @@ struct PathRun {
     double weight;
 };
 
-/// The blur kernel (the rasterised motion path), divided into runs of equal weights along its rows. `cost` is
-/// the predicted time of the convolution, in multiples of the time for one weight.
+/// The blur kernel (the rasterised motion path). Equal adjacent weights of a row are joined to one run.
 struct PathRuns {
     std::vector<PathRun> runs;
-    double cost = 0;
+    double cost = 0;  ///< predicted time of the convolution, in multiples of the time for one weight
     bool any_long = false;
 };
 
@@ -92,8 +90,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Runs along columns require transposing the object's image and, at the end, the result. This takes as
-    // long as processing this number of weights of the blur kernel.
+    // Time for transposing the object's image and the result, in multiples of the time for one weight of the
+    // blur kernel.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -117,15 +115,13 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One weight of the blur kernel. The result gets `weight` times the value of the object's image that lies at
-/// the memory offset `at` from the result's position.
+/// One weight of the blur kernel, and the memory offset `at` of the value that it multiplies.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of equal weights of the blur kernel. The result gets `weight` times the sum of consecutive values of
-/// the object's image. The sum is the difference of the row's prefix sums at the memory offsets `high` and
-/// `low`.
+/// A run of equal weights of the blur kernel. It multiplies the difference between two prefix sums, at the
+/// memory offsets `high` and `low`.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -321,8 +317,8 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of values of the object's image that are read for each weight of the blur kernel. Rows are read
-    // in whole tiles of 64 columns, so up to one tile more than the row is read.
+    // Number of values of the object's image that each weight multiplies. One tile of padding is added per
+    // row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

@@ -211,8 +211,7 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Computes the FFT of the blur kernel (the rasterised motion path). The weight of cell (i, j) is stored
-    /// at (i, j) modulo the FFT's size, and is multiplied by the FFT's normalisation.
+    /// Computes the FFT of the blur kernel (the rasterised motion path), including the FFT's normalisation.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -225,8 +224,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Finds the columns of each row of the result that can be nonzero. A cell can be nonzero if a nonzero
-    /// weight of the blur kernel moves a nonzero cell of the object's image there.
+    /// Finds the columns of each row of the result that can be nonzero.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -269,9 +267,8 @@ class FftConvolution {
         }
     }
 
-    /// Copies a part of the object's image to `cells`, the input of the FFT: all cells that contribute to a
-    /// block of the result. Their indices are taken modulo the FFT's size. Returns true if no copied value is
-    /// negative.
+    /// Copies the part of the object's image that contributes to `block` to the FFT's input `cells`. Returns
+    /// whether no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;
@@ -284,8 +281,6 @@ class FftConvolution {
             const int begin = std::max(c.begin, block.x_begin - p.x_end + 1);
             const int end = std::min(c.end, block.x_end - p.x_begin);
             if (begin >= end) continue;
-            // The copy starts at index `at` of the FFT's row. If it passes the end of this row, it continues
-            // at index 0.
             const std::size_t at = wrapped(begin - block.x_begin, x_.size);
             const std::size_t count = static_cast<std::size_t>(end - begin),
                               before = std::min(count, width_ - at);

@@ -54,8 +54,8 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Finds the surfaces in the bands (32 pixel rows each) that contain rows [y_begin, y_end). The records of
-/// these bands must be in memory. The result has one element per band, which is empty for other bands.
+/// Finds the surfaces in the bands that overlap the pixel rows [y_begin, y_end). Returns one element per
+/// band.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

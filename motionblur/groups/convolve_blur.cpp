@@ -15,9 +15,8 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// The static surfaces between two moving groups cover the fraction covered / known of the pixel.
-    /// `covered` is the weight of the samples on these surfaces. `known` is the weight of the samples on any
-    /// surface at this depth or behind it.
+    /// Weight of the samples on static surfaces, and of those on any surface at this depth or behind. The
+    /// coverage is covered / known.
     double covered = 0, known = 0;
 };
 
@@ -107,8 +106,6 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Index in `between` of the last static surface that was added, or between.size() if none has been
-        // added yet.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {

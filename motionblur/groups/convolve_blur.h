@@ -28,11 +28,11 @@ struct ConvolveBlur {
     std::vector<Crossing> crossings;    ///< one per group of moving objects
 };
 
-/// Blurs groups of moving objects; all objects of a group have the same motion path. Each pixel is composited
-/// from front to back: the groups, and the static surfaces between them, in order of depth.
-///
-/// `still` is the pinhole image, and `groups` are sorted from near to far. `across_per_px` is the width of a
-/// pixel, as the function of this name in sample_surfaces.h returns it.
+/// Blurs groups of moving objects by convolution. Composites them with the static surfaces from front to
+/// back.
+/// - `still`: pinhole image
+/// - `groups`: sorted from near to far
+/// - `across_per_px`: width of a pixel in the scene, in m; for a perspective camera, at a depth of 1 m
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

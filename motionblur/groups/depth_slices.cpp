@@ -13,12 +13,11 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, in px, between the ends of the motion paths of neighbouring depth slices. It limits the
-/// error at the ends of the blur. Smaller values do not increase the PSNR.
+/// Largest distance, in px, between the ends of the motion paths of neighbouring depth slices. Smaller values
+/// do not increase the PSNR.
 constexpr double step_px = 4;
 
-/// Returns the gradient of the inverse depth 1/z' across a quadtree leaf (a pixel or a part of it), in 1/m
-/// per px. Only the leaf's corners at which the moving objects are recorded are used.
+/// Returns the gradient of the inverse depth 1/z' across `leaf` (a pixel or a part of it), in 1/m per px.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
@@ -113,9 +112,8 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // The projected area of a moving surface is proportional to max(0, 1 + v), where v is linear in the
-    // displacement and lies in [low, high]. A depth slice can only represent a linear function. It uses area
-    // * (1 - v / low), which has the same mean.
+    // A depth slice needs an area that is linear in v. For v in [low, high], area * (1 - v / low) has the
+    // same mean as the exact max(0, 1 + v).
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -131,8 +129,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record (stored surface sample) is usually the corner of four quadtree cells. For each of these cells,
-    // it needs one Piece.
+    // One Piece per corner of a quadtree cell. About four cells meet at each record (stored surface sample).
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

@@ -26,33 +26,27 @@ struct PathAxis {
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction from a group's recorded position to the farthest point of its motion path. If the
-/// path leaves this line by over 1 px, also returns the perpendicular direction. The result is empty if the
-/// group does not move.
+/// Returns the direction to the farthest point of the group's motion path. For a curved path, also returns
+/// the perpendicular direction.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// How the projected area of a small piece of surface changes while it moves. Relative to the recorded area,
-/// it is
+/// Projected area of a small surface element while it moves, relative to its recorded area:
 ///
-///     area + sum over the axes of rate * (path(t) . axis)
+///     area + sum over the axes of rate_per_px * (path(t) . axis)
 ///
-/// Here path(t) is the displacement at time t, in px, and the axes are the directions of axes_of. This is
-/// exact for translations parallel to the film, unless the piece turns its back to the camera. Then only the
-/// mean of its area is correct.
+/// path(t) is the displacement, in px. The formula is exact for translations parallel to the film.
 struct Stretch {
     double area = 1;
-    /// Relative change of the area per px of displacement, for each axis of the motion path: G . axis /
-    /// path_inverse_z. G is the gradient of the surface's inverse depth 1/z' per px. path_inverse_z is the
-    /// inverse depth of the points that follow the path exactly.
+    /// Relative change of the projected area per px of displacement along each axis.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice while the object is displaced by p. They are linear in p:
+/// The colours and the coverage of a depth slice are linear in the displacement p:
 ///
 ///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
 ///
-/// The axes are the one or two directions along which the object moves (PathAxis).
+/// a.low_px is the smallest displacement along the axis a.
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -62,23 +56,23 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Divides a group of moving objects with parallax into depth slices. `across_per_px` is the width, in m,
-    /// that a pixel covers in the scene. For a perspective camera, it is the width at a depth of 1 m.
+    /// `across_per_px` is the width of a pixel in the scene, in m (at a depth of 1 m for perspective
+    /// cameras).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the length of depth slice k's motion path relative to the group's path. Nearer slices have
-    /// longer paths (parallax).
+    /// Returns the displacement of depth slice k divided by the group's displacement (MovingGroup::path).
+    /// Nearer slices move farther.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     /// Raster cells that the moving objects cover at the recorded instant. All depth slices use this window.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// One quarter of a quadtree cell (a pixel or a part of it), in the colour of the sample at the nearest
-    /// corner.
+    /// One quarter of a quadtree cell (a pixel or a part of it), with the colour of the nearest recorded
+    /// sample.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

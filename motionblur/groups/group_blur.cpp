@@ -44,11 +44,11 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Overlapping parts of a moving object can have a total coverage above 1, which is scaled down to 1. A
-    // coverage of at most `rounding` becomes 0, because it may be a rounding error of a Fourier transform.
+    // A coverage of at most `rounding` may be a rounding error of the convolution by FFT, and becomes 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
+        // Overlapping parts of a moving object can have a total coverage above 1.
         const float scale = p[3] > 1 ? 1 / p[3] : 1;
         for (float& v : p) v = std::max(0.0F, v * scale);
     }
@@ -57,8 +57,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // Displacements outside `reach`, in raster cells, move the object out of the image. So parts of the
-    // motion path outside `reach` are not drawn into the blur kernel.
+    // Displacements outside `reach` move the object out of the image, so they are not drawn into the blur
+    // kernel.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};

@@ -39,14 +39,12 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// Returns the nearest recorded surface at a sample that belongs to an object of moving group g. Returns
-/// nullptr if there is none.
+/// Returns the nearest surface of group g (objects that move alike) at a sample, or nullptr if there is none.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` at which objects of moving group g are
-/// recorded. surfaces[k] is their nearest surface at corner k of the leaf, or nullptr. `window` comes from
-/// group_window.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf in `window` that shows moving group g. surfaces[k] is
+/// the group's nearest surface at corner k, or nullptr.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {

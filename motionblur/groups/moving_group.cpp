@@ -24,9 +24,8 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether the centres of two objects have the same displacement, within `alike_px`, at all tested
-/// instants. If `nearest` is not 0, displacements are first scaled to this inverse depth (1/m), because
-/// nearer points move farther (parallax).
+/// Returns whether two objects have the same displacement in the image. If `nearest` > 0, scales both
+/// displacements to this inverse depth (1/m) to compensate for parallax.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,

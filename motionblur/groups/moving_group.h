@@ -13,8 +13,8 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the recorded samples, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points whose displacement is `path`. With parallax, the displacements of
-    /// other points of the group are proportional to their inverse depths.
+    /// Inverse depth, in 1/m, of the points that move exactly along `path`. With parallax, nearer points move
+    /// farther.
     double path_inverse_z = 0;
     bool has_parallax = false;
     /// The path on the screen: displacements from the recorded position, in px, linear in time between these
@@ -32,12 +32,11 @@ struct MovingGroup {
 /// parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups the moving objects whose displacements in the image agree within 0.02 px. Returns the groups from
-/// near to far. Objects with parallax form a group if they overlap in depth, and if their displacements agree
-/// once they are scaled to the same depth.
+/// Groups the objects whose displacements in the image agree, apart from parallax. Returns the groups from
+/// near to far.
 ///
-/// With `fit_px`, a spline is fitted to each group's motion path within this tolerance, and replaces it
-/// (`fit_path`). Throws Error(wrong_arguments) for an object that passes the camera.
+/// With `fit_px`, replaces motion paths by splines with at most this error. Throws Error(wrong_arguments) for
+/// an object that moves behind the camera.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

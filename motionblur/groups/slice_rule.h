@@ -15,9 +15,8 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// A group of moving objects passes over the area passed_box. Returns the fraction of this area in which a
-/// static surface lies within the group's range of depth. Compositing may order this surface wrongly, because
-/// it uses one depth for the whole group.
+/// Returns the fraction of the group's passed_box in which a static surface lies within the group's range of
+/// depth. Compositing may order such surfaces wrongly.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

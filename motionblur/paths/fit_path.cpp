@@ -141,8 +141,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a spline with `count` segments. Its knots are densest where the segments of an
-/// earlier fit, `segments`, are shortest.
+/// Returns the knot times of a spline with `count` segments. The density of the knots follows an earlier fit,
+/// `segments`.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {

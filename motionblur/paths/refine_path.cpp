@@ -11,8 +11,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of data points per spline segment in the first least-squares fit. Later fits add each segment's
-/// point with the largest error.
+/// Number of data points per spline segment in the first least-squares fit. Later fits add the points with
+/// the largest errors.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 

@@ -78,8 +78,8 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// Instants at which a piece of constant velocity is compared with the motion that it approximates, as
-// fractions of the piece's duration. They are not symmetric, so a motion that turns back halfway is detected.
+// Fractions of a linear piece's duration at which its error is measured. They are asymmetric to detect a
+// motion that turns back halfway.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
 // Fraction of the tolerance that is accepted at the tested instants of a piece, because the error between
 // these instants can be larger.

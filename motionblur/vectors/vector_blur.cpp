@@ -30,9 +30,8 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// `exact_px` is the largest error of a reprojected position. Patches (planar parts of the image) are drawn
-/// larger by `overlap_px`, to prevent cracks between them. This is too small to reach the samples of
-/// neighbouring pixels.
+/// Largest error of a reprojected position, and the enlargement of patches (planar image parts) that prevents
+/// cracks between them, in px.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -76,9 +75,8 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns the background for gaps in which no view shows a surface, interpolated from static pixels
-/// (`weight` 1). If `weight` is empty, it is interpolated from the mean image of the views instead, wherever
-/// a view shows a surface.
+/// Returns the background for gaps in the views. It is interpolated from pixels with `weight` 1, or from the
+/// blurred image `seen` if `weight` is empty.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -114,9 +112,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // If too few pixels are static, the background behind moving surfaces is interpolated from the mean
-        // image of the views. The views must then cover the whole image, because otherwise a crop would
-        // change the background.
+        // If too few pixels are static, the whole image is drawn again to interpolate the background.
+        // Otherwise, the background would depend on the crop.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

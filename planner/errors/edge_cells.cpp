@@ -97,9 +97,8 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: the estimated light of the highlight (radiance times area) is wrong by `off`.
-    // The lens spreads this light over the `pixels` of its circle of confusion, so each of them is wrong by
-    // off / pixels.
+    // First part of the error: the highlight's total light is wrong by `off`, divided equally among the
+    // `pixels` of its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
     // Second part of the error: an inaccurate position of the highlight displaces the circle of confusion,
     // which changes the pixels at its rim.
@@ -116,9 +115,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Smooth shading is approximated by a x^2 + b y^2 + c x y. The mean of the cell's corners is then wrong
-    // by (a + b) / 6. The corner values determine c but not a and b, so a = b = c / 2 is assumed. The error
-    // is then c / 6.
+    // For smooth shading a x^2 + b y^2 + c x y, the mean of a cell's corners is wrong by (a + b) / 6. The
+    // corner values determine only c, so a = b = c / 2 is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

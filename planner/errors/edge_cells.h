@@ -49,9 +49,8 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` multiplies the variance
-    /// of the cells' estimated light. With 1/8, the result is the error for cells of half the width: an edge
-    /// crosses twice as many of them, with 1/16 of the variance each.
+    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` scales the variance of
+    /// the estimated light; 1/8 predicts cells of half the width.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -13,8 +13,7 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// If true, and if this trial corrects a pixel, later trials are not considered for this pixel. They
-    /// change several settings at once, so they could not show a single cause of its error.
+    /// Whether the cause of a pixel's error is final if this trial corrects the pixel.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

@@ -45,8 +45,8 @@ struct Differences {
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Estimates the squared error of a pixel, as a mean over channels. `a` and `b` are differences (ray minus
-/// image) in two independent halves of the views. So noise does not bias their product.
+/// Estimates a pixel's squared error (mean over channels) from two measurements with independent noise, which
+/// does not bias their product.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
@@ -133,9 +133,8 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of two errors (ray minus record) of a pixel, measured in two independent halves of the views.
-/// If a rare large error occurs in only one half, the product is too small to show it. So the variance is set
-/// to at least that of independent errors.
+/// Mean product of two independent measurements of a pixel's error. The variance is at least that of
+/// independent errors, because rare large errors are easily missed.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -286,9 +285,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean over all rays of a pixel. Each half of the views has n
-            // stratified rays, half of `views`. At the outline of a light source, their mean has n^(-5/4)
-            // times the variance of one ray [mitchell1996].
+            // Standard deviation of the mean of two halves with n = views / 2 stratified rays each. At
+            // outlines, the mean of n rays has n^(-5/4) times the variance of one ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -19,8 +19,8 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between the image `other` (see measured_error) and a light field with
-    /// infinitely many lens points. The estimate may be negative, because it is noisy.
+    /// Estimated squared difference between the image `other` (a parameter of measured_error) and an image
+    /// without noise; may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -30,10 +30,7 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error if another image is blended in with the weight w. The
-    /// estimate is wrong by (1 - 2 w) A + 2 w B. A is the error of `noise_mse` and has the variance
-    /// `of_noise`. B is the mean product of the noise and the other image's difference, and has the variance
-    /// `of_product`.
+    /// Returns the variance of the estimated error if another image is blended in with the weight w.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -61,9 +58,9 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Selects the tiles with the largest values: returns 1 for them and 0 for all other tiles. The values of the
-/// other tiles have a sum of at most `most`. `value(tile, share)` returns the value of a tile that covers the
-/// fraction `share` of the image.
+/// Returns 1 for the tiles with the largest values, until the values of all other tiles sum to at most
+/// `most`.
+/// - `value(tile, share)`: value of a tile that covers the fraction `share` of the image
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -84,17 +81,14 @@ template <typename Value>
     return out;
 }
 
-/// Estimates how noisy the highlights of each tile would be if they were traced, with `views` rays per pixel.
-/// Returns the squared noise of the sRGB values. `a` and `b` are independent halves of the image's views.
+/// Estimates the squared noise of each tile's highlights if `views` rays per pixel traced them.
+/// - `a`, `b`: halves of the image's views, to measure the variance of one ray
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles in which rays should replace all recorded colours, because the error of these colours
-/// (TileError::bias_mse) is too large.
-///
-/// The tiles with the largest errors are selected, until all other tiles together add at most `most_mse` to
-/// the mean error of the image. Another tile is selected if its error exceeds each of three limits: the noise
-/// of its views, twice the error's own standard error, and `fine_mse`.
+/// Returns 1 for tiles in which rays should replace the recorded colours.
+/// - `most_mse`: all other tiles together add at most this error to the image
+/// - `fine_mse`: also selects tiles with a larger error than this, if the error clearly exceeds the noise
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -12,19 +12,16 @@
 
 namespace postlens {
 
-/// Returns the factor by which the lens's blur reduces the squared error of an edge whose position is
-/// inexact. The blur averages the errors of all pixels in the circle of confusion. If these errors are
-/// independent, the factor is the number of these pixels. Along an edge `aligned` with the quadtree cells,
-/// the errors are equal, so the factor is only the number of pixels across the circle.
+/// Returns the number by which the lens's blur divides the squared error of an edge. It is smaller for an
+/// edge `aligned` with the quadtree cells, because errors along it are equal.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// An edge that crosses a quadtree cell without separating its corners is not visible in the samples. This
-/// factor converts the error of the visible edges to that of all edges. It was fitted to measured errors.
+/// Error of all edges, divided by the error of the edges that are visible in the samples. Fitted to measured
+/// errors.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value, as a mean over channels, due to inexact positions
-/// of edges. The samples show which quadtree cells an edge crosses, but not where in a cell. The lens's blur
-/// reduces this error.
+/// Estimates the squared error of each pixel's sRGB value due to edges. The samples show which quadtree cell
+/// contains an edge, but not where.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);

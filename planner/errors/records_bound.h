@@ -15,8 +15,8 @@ namespace postlens {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// Upper bound of each pixel's error if no rays are traced. The error is due to unsure samples, i.e. at an
-/// edge or where no surface is recorded. With a crop, only the values within the crop are valid.
+/// Upper bound of each pixel's error due to samples at edges or without a recorded surface. Valid only within
+/// the crop.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of the unsure samples
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels

@@ -16,8 +16,8 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// `width` and `height` are the size of the image, in px. Set `random_rays` if the colours of rays are
-    /// noisy, for example because they sample random points of an area light.
+    /// - `width`, `height`: size of the image, in px
+    /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
     /// Selects lens points from which pixel (x, y) is compared with a traced ray, out of the points [first,

@@ -16,9 +16,8 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of different sets of lens points. The image is divided into small squares (4 to 64 px wide), each
-/// of which uses one set. The square in column c and row r uses set (c + scrambles_down * r) modulo
-/// `scrambles`. Squares with equal sets are at least 8 squares apart.
+/// Number of different sets of lens points. The image square in column c and row r uses set (c +
+/// scrambles_down * r) % scrambles, so that equal sets are far apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Blends `count` values of `to`, from index `begin` on, with those of `from`, which get the weight `share`.
@@ -66,8 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Key: a range [first, end) of lens points that must still be drawn for some squares of the image.
-        // Value: the indices of the sets from which these squares take their lens points.
+        // Key: range [first, end) of lens points to draw. Value: numbers of the lens-point sets in which this
+        // range is needed.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

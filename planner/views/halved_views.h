@@ -22,9 +22,8 @@ namespace postlens {
 /// samples: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` of `settings` are ignored. Squares of the image use up to 122
-    /// different sets of lens points, so that their noise is independent. The sets are numbered from
-    /// `first_set` on. Throws the errors of hybrid_picture.
+    /// Ignores `focus.views` and `focus.method` of `settings`. Throws the errors of hybrid_picture.
+    /// - `first_set`: number of the first of 122 sets of lens points
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
@@ -66,9 +65,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the image as the mean of all views. Also returns the number of rays, and the fraction of the
-/// samples within `crop` for which they were traced. The result contains no measured error: `stated` stays
-/// empty.
+/// Returns the image, the number of rays, and the fraction of the samples within `crop` that rays replaced.
+/// HybridResult::stated stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

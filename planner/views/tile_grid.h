@@ -39,9 +39,8 @@ struct TileGrid {
     }
 };
 
-/// Returns the width, in px, of the small squares (pieces) into which an image is divided. Each piece has its
-/// own lens points, so that the errors of pieces are independent. At least 2000 pieces are needed to estimate
-/// the noise.
+/// Returns the width, in px, of the image squares that have their own lens points. At least 2000 squares are
+/// needed to estimate the noise.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
