@@ -68,9 +68,8 @@ class Renderer {
         }
     }
 
-    /// The samples of a pixel are traced in groups of up to 16. Whole groups form blocks, which several runs
-    /// can share (--share).
-    /// Returns the number of blocks per pixel, and the number of groups in each block.
+    /// Returns the number of blocks per pixel, and of groups of up to 16 samples per block. Several program
+    /// runs can share the blocks.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
@@ -170,9 +169,7 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The samples of a block are summed from 0, and then the block's sum is added to the total.
-            // A run with --share stores the sum of each block, and the sums are added later in the same
-            // order. So the result is bit-identical.
+            // Sums each block separately, as program runs with --share do, so that results are bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

@@ -55,8 +55,7 @@ struct RenderSettings {
     /// Text that marks each written file as one part of a render, to be merged (pictures/picture_part.h).
     /// If empty, the files are ordinary images.
     std::string part_mark;
-    /// If {i, n}: divides the samples of every pixel into n parts and renders part i, counted from 0.
-    /// With `halves`, the file of this part holds the sums of both independent halves of the samples.
+    /// If {i, n}: renders only the i-th of n parts of every pixel's samples, counted from 0.
     std::optional<std::array<int, 2>> sample_share;
 };
 

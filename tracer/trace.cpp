@@ -24,9 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Width, px, of a margin around the traced window. Depth edges are also searched in this margin, because a
-// lens may see surfaces in the window past them.
-// An edge farther out would reveal only surfaces close to the window's border.
+// Depth edges are found up to this distance, px, from the traced window, because a lens may see
+// past them into the window.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -182,9 +181,7 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants between the recorded instants before and after `at_s`, at which motion is examined.
-// Images at these instants are made from the records of `at_s`. So surfaces that motion reveals at these
-// instants must be recorded at `at_s`.
+// Returns instants up to the recorded instants before and after `at_s`, to find surfaces that motion reveals.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
@@ -357,8 +354,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods blur motion with the records of only the frame's own instant. So its overscan must contain
-    // all surfaces that enter the image at any time of the shutter interval.
+    // Some methods use only the records of the frame's own instant, so the overscan must
+    // cover the whole shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

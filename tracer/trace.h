@@ -37,14 +37,11 @@ struct TraceSettings {
     /// Value of `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. It
     /// may be larger, because rays replace what is not recorded.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of light that changes between two recorded instants, if `keys` is absent.
-    /// The default target of --method auto is 40 dB for the whole image. At 43 dB, changing light causes only
-    /// half of the squared error that 40 dB allows.
+    /// Target PSNR, dB, of changing light alone, if `keys` is absent. It allows half the squared error
+    /// of 40 dB, the default target.
     double light_db = 43;
-    /// Value of `light_db`, the target PSNR of changing light, for methods that also trace rays. It is 12 dB
-    /// lower, so four times the RMS error is allowed.
-    /// This error grows with the square of the time between recorded instants, so half as many instants
-    /// suffice.
+    /// Value of `light_db` for methods that also trace rays. A target that is 12 dB lower needs
+    /// half as many recorded instants.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
@@ -93,8 +90,8 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Set only if the number of recorded instants, `keys`, was chosen automatically. `keys_sweep_degrees` is
-    /// the angle by which an object or the camera turns. `keys_reason` says why this number was chosen.
+    /// Set only if `keys` was chosen automatically: the turn of an object or the camera during the shutter
+    /// interval, and the reason for `keys`.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

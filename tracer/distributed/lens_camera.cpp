@@ -262,9 +262,7 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // Clamps the depth to 2 % of the distance. Otherwise, the image scale would be infinite in the plane of
-    // the lens.
-    // Points near this plane lie far outside the image, where the exact scale does not matter.
+    // A minimum depth of 2 % of the distance avoids an infinite image scale in the plane of the lens.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

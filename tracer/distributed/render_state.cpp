@@ -30,12 +30,8 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words that the file of an unfinished render stores per pixel:
-// - 3 for the mean colour (RGB)
-// - 1 for the number of samples in each half of the samples
-// - 6 for each sum of radiance (RGB, 64-bit doubles)
-// Each half has one sum per block of samples. If `with_open` is true, it has another sum, for the block that
-// is still unfinished.
+// Number of 32-bit words per pixel: 3 for the mean colour. Each half of the samples adds a count and 6
+// words per sum of radiance.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));

@@ -18,8 +18,8 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // The sample file stores the mean radiance over a glossy lobe or an area light. A ray samples the
-        // lobe or the light at random, so its radiance differs from this mean even if the mean is exact.
+        // A ray samples a glossy lobe or an area light at random, so its radiance
+        // differs from the recorded mean.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }

@@ -13,9 +13,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines` is the largest number of rays per pixel, which SightLine::view numbers. The random samples of
-    /// lights and glossy lobes are stratified over the rays of a pixel.
-    /// Keeps a reference to `setup`, which must not have a lens prescription.
+    /// - `setup`: kept as a reference; must not have a lens prescription
+    /// - `lines`: largest number of rays per pixel; their samples of lights and glossy lobes are stratified
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,

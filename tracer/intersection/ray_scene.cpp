@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // The offset is 64 times the rounding error of a float. It is large enough that a ray does not hit a
-    // triangle next to the one that it leaves.
+    // The offset of 64 float rounding errors keeps a ray from hitting a triangle adjacent to
+    // the one that it leaves.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -62,8 +62,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // Copies 16 entries, even if the batch has fewer left. They exist, because `first` and the capacity
-        // of the arrays are multiples of 16.
+        // Reading past the last ray is safe, because the capacity of the arrays is a multiple of 16.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);

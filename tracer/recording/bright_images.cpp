@@ -60,8 +60,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images of bright objects in mirrors and glass are searched for only if their radiance exceeds this value.
-/// White has the radiance 1. The sRGB value of 0.0144 is 1/8.
+/// Dimmer images of bright objects in mirrors and glass are not searched for. The radiance 0.0144 is
+/// an sRGB value of 1/8.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -122,9 +122,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear model: a ray crosses the cell at `position`, in cell widths from the cell's centre. The
-        // vector, m, from the bright object's centre to the nearest point of this ray is about middle +
-        // by_cell * position.
+        // The vector from a bright object's centre to a ray is modelled as linear in the
+        // ray's position within the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -134,8 +133,7 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // `image` is the centre of the bright object's image and `reach` its half size, in cell widths from
-        // the cell's centre. The cell ends at 0.5. The limit is larger, and so is 1.1 * reach, to allow for
+        // The cell ends at 0.5 cell widths from its centre. The value 0.55 and the factor 1.1 allow for
         // errors of the linear model.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))

@@ -49,8 +49,7 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c) const {
-    // Only cells of the smallest size are tested for outlines, because splits() has divided all larger cells
-    // that an outline crosses.
+    // Only the smallest cells may contain an outline, because splits() has divided all larger ones.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -160,11 +159,8 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Models the radiance of a sample as plus + times * texel, where `texel` is the texture's colour at
-        // the sample.
-        // - times: largest ratio of radiance to texture colour of all samples
-        // - plus: smallest radiance that remains when times * texel is subtracted
-        // So the contrast between the colours of the texture is overestimated rather than underestimated.
+        // Models radiance as plus + times * texel, where `texel` is a texture colour. `times` is the largest
+        // ratio, so that contrast is not underestimated.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -44,10 +44,8 @@ class CellSplit {
     void mark_leaf(const CornerCell& c) const;
 
   private:
-    /// One visible or hidden surface of a sample, with all surfaces seen in it by reflection and refraction
-    /// (its shading tree). `id`, `part` and `path` are those of the surface, and `rgb` is the radiance of the
-    /// whole tree.
-    /// The tree is stored in the records [first, first + count) of `chunk`, sorted by path.
+    /// A visible or hidden surface of a sample, with the records of all surfaces seen in
+    /// it by reflection or refraction.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         NodePath path;
@@ -71,10 +69,8 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point that the first sample hits, and the corresponding point of each other
-    /// sample.
-    /// Points correspond if they lie on the same object and are hit after the same bounces. Empty if a sample
-    /// has no such point.
+    /// Returns the n-th surface point of the first sample, and the points of the other samples with
+    /// the same object and bounces.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the index of the surface point that a sample hits after this sequence of bounces, or nothing.
     /// Tests the sample's point number `guess` first, because most corners of a quadtree cell have the same
@@ -103,9 +99,6 @@ class CellSplit {
     /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s` holds the shading trees at the cell's corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// Returns true if hidden surfaces at the corners of a cell differ so much that it must be divided.
-    /// Compares only surfaces that are seen by the same sequence of reflections and refractions, and ignores
-    /// corners without one.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 

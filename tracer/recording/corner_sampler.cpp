@@ -61,12 +61,11 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel and appends their samples in order.
-    // - `fill(i, keys)` writes the grid positions of the `sizes[i]` points of batch i.
-    // - `traced(index, sample)` is called for every new sample.
-    // - `around(key)` returns earlier samples near a point.
-    // All three functions must be thread-safe. If `for_comparison` is true, the samples are not recorded.
-    // They are only compared with others, to decide whether a cell is divided (WhittedTracer::trace_steady).
+    // Traces batches of points in parallel. The functions must be thread-safe.
+    // - `fill(i, keys)`: sets the positions of the points of batch i
+    // - `traced(index, sample)`: receives each new sample
+    // - `around(key)`: returns earlier samples near a position
+    // - `for_comparison`: the samples are not recorded
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -287,9 +286,8 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the points at which cells are divided into quarters: the centre and the midpoints of the sides
-    // of every cell. Stores their sample indices in CornerCell::between.
-    // A midpoint that neighbouring cells or neighbouring bands of pixel rows share is traced once.
+    // Traces the centre of every cell and the midpoints of the cell's sides. A midpoint that several
+    // cells share is traced once.
     void trace_missing(CellRows& cells, int y_begin, int y_end) {
         // The points to trace are listed by pixel row, with one more list for the lower edge of the last row.
         // A point on the edge between two rows is in the list of the lower row.

@@ -34,18 +34,15 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // Leaves out the samples on the stripe's lower edge. The pixels below the stripe are not subdivided
-        // here, so these samples need fewer bytes than those of the complete image.
+        // The stripe's lower edge is not counted, because the pixels below it are not subdivided.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // The file also contains a flat image, with one colour per pixel. The colours of a row also
-                // depend on the samples on its lower edge.
-                // For the band's last row, these samples may be in the next band, so its size is not
-                // measured.
+                // The band's last row is not counted, because its colours depend on samples that may
+                // be in the next band.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

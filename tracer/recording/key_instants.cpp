@@ -43,9 +43,7 @@ struct View {
     }
 };
 
-// Adds the camera's poses at those of the keyframes `keys` that lie between the first and the last of
-// `views`.
-// Returns all poses, sorted by time.
+// Returns `views` and the camera's poses at keyframes within their time range, sorted by time.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -194,8 +192,6 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // Scale of the object along its own axes at each instant. It is 0 at instants when the camera does
-        // not see the object.
         std::vector<dvec3> sizes;
         std::vector<bool> surrounds;  // whether the camera is inside the bounding box
         dvec3 largest(0);
@@ -212,8 +208,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // The camera sees other surfaces from inside an object than from outside. If the camera enters the
-        // object's bounding box, both the time spans inside and those outside need a recorded instant.
+        // From inside an object, the camera sees other surfaces than from outside. Both
+        // cases need a recorded instant.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -229,8 +225,6 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Ignores time spans that are too short: they contain no recorded instant for any allowed number of
-    // instants, 2 to `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

@@ -21,9 +21,8 @@ namespace postlens {
 /// Returns the total angle, degrees, by which the camera's optical axis turns. 0 if it is orthographic.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame.
-/// While the camera pans by this angle, up to half of the image is replaced by other parts of the scene. So
-/// the scene is recorded once per such angle.
+/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. It is the largest
+/// pan allowed between recorded instants.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {

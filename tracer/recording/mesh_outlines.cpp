@@ -159,8 +159,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // An edge in the plane of the visible surface is not in front of it. This tolerance allows for
-        // rounding errors of its depth.
+        // Allows for rounding errors, so that an edge in the plane of the visible surface does not count
+        // as in front of it.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

@@ -31,9 +31,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// A surface is seen at `at`, outside the frame. Returns true if it moves into the frame or closer to it than
-// `step_px`, the distance between samples.
-// If it comes so close, a part of it that lies between two samples may enter the frame.
+// Returns true if a surface seen at `at`, outside the frame, moves into the frame or within one
+// sample spacing, `step_px`, of it.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible
@@ -60,8 +59,8 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Coordinates, px, along one axis of the image at which eye rays are traced outside the image. They
-    // include the border of the image, because a surface may end between the border and the next ray.
+    // Positions, px, of test rays along one axis. The image's border is included, because a surface
+    // may end just outside it.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

@@ -20,8 +20,8 @@ using glm::dvec3;
 constexpr int tile_px = 16;
 // Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// A long object is divided into pieces of constant width. A piece near the tip of a cone is halved up to this
-// number of times, because the cone's width changes most there.
+// Pieces near the tip of a cone are halved up to this number of times, because each
+// piece has a constant width.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -339,16 +339,15 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // The outline of an elongated object crosses so many cells that their errors average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. Removes pieces if there are more than half as many as allowed quadtree cells. A piece
-    // needs three cells or more, so all pieces together then need more than 1.5 times the allowed cells.
-    // So keep_affordable() removes a third of the pieces or more.
+    // Limits memory. A piece needs three or more quadtree cells, so half as many pieces as
+    // allowed cells are too many.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Number of quadtree cells. The first term counts cells of width find_px, which cover the narrow object
-    // and a margin of one cell around it. The second term counts cells of width outline_px along its outline.
+    // Number of quadtree cells: those of width find_px that cover the object, and those of
+    // width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

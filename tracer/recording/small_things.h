@@ -17,9 +17,7 @@
 
 namespace postlens {
 
-/// Finds objects that are so narrow in the image that eye rays may miss them. `images` lists bright objects,
-/// whose images in mirrors and glass may be as narrow.
-/// Each connected part of a mesh counts as an object. Planes and wide parts are not included.
+/// Finds objects and connected mesh parts that are so narrow in the image that eye rays may miss them.
 class SmallThings {
   public:
     /// Objects up to this width, px, are searched for. A wider object always covers a corner of a pixel,

@@ -22,9 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift, 1 to bits - 1, is computed from the highest 4 bits of `offset_`. `step` adds only
-            // the lowest `bits` bits of `offset_`. So the shift and the added number are independent unless
-            // bits > 28.
+            // The shift uses the highest 4 bits of `offset_`, and `step` the lowest `bits` bits,
+            // so that both are independent.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -37,8 +36,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each x in [0, n) by the element at index x of the permutation. Calls `step` again as long as
-    /// a result is n or more, on average fewer than two times per element.
+    /// Replaces each x in [0, n) by its image under the permutation. An image outside [0, n)
+    /// is mapped again (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -46,9 +45,8 @@ class Permutation {
     }
 
   private:
-    /// Applies the bijection of [0, 2^bits) once to elements of x: to all if `all` is true, otherwise only to
-    /// those that are n or more.
-    /// Returns true if any element of x is then still n or more, so that another step is needed.
+    /// Applies the bijection of [0, 2^bits) to all x, or only to those >= n. Returns
+    /// true if an x >= n remains.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;

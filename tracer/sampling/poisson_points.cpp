@@ -56,9 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // A pattern is built from random points, of which those too close to earlier points are rejected. If it
-    // is not complete after this number of random points, another pattern is started.
-    // The last point of a pattern needs 100 tries on average, less than a tenth of this limit.
+    // An incomplete pattern is discarded after this number of random points. The last point of a pattern
+    // needs 100 tries on average.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));

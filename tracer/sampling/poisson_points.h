@@ -59,8 +59,7 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// The n samples of a pixel are divided into `blocks_` blocks. These are the point patterns for blocks of
-    /// floor(n / blocks_) samples, and for blocks that have one sample more.
+    /// Point patterns for blocks of floor(n / blocks_) samples, and for blocks of one sample more.
     std::array<Patterns, 2> sizes_;
 };
 

@@ -30,9 +30,8 @@ struct SampleSet {
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the set of random points that is used for `purpose`, such as sampling area lights. `a` and `b`
-/// distinguish several sets for one purpose, for example by path and light. No set for eye rays is returned.
-/// Different arguments give different sets, except with a probability of 2^-32.
+/// Returns the random points for a purpose, such as area lights. `a` and `b` distinguish several sets. Two
+/// sets coincide with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);

@@ -16,9 +16,8 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Divides by an integer d, up to 2^20, by multiplying by its reciprocal, and rounds down. Adding 0.5 to the
-/// dividend a protects against rounding errors: (a + 0.5) / d is at least 0.5 / d away from any integer. So
-/// quotients up to 2^24 are exact.
+/// Divides by an integer up to 2^20 by multiplying by its reciprocal. Adding 0.5 to the dividend makes
+/// rounded quotients up to 2^24 exact.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -29,8 +28,8 @@ struct Divisor {
     /// units of 2^-24.
     /// Sample points are multiples of the same unit, so rounding never moves a point out of its interval.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Rounds the quotient a / d of a = cell * 2^24 and d = `value` up. For integers, this is (a + d - 1)
-        // / d rounded down. Adding 0.5 protects against rounding errors, as in rounded_down.
+        // Rounds up: for integers a and d, ceil(a / d) = floor((a + d - 1) / d). Adding
+        // 0.5 protects against rounding errors.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };

@@ -23,13 +23,11 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes one random point for each of the samples [first, first + lanes), where lanes is 16 or 1.
-    /// Sample i lies in cell i. With `permuted`, the cells are assigned to the samples in a random order,
-    /// which depends on `key`.
-    /// Samples with an index of n or more lie in the cell of sample n - 1.
+    /// Writes one random point, in its own cell, for each of the samples [first, first + lanes).
+    /// - `permuted`: the cells are assigned to the samples in random order
+    /// - `lanes`: 1 or 16
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, which take the place of
-    /// the cells.
+    /// Like fill_2d, but the cells are n equal intervals of [0, 1).
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

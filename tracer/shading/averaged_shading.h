@@ -1,6 +1,5 @@
-// Counts the glossy materials, which reflect or refract into a lobe, and the area lights of a scene.
-// Their light depends on directions and positions, but a sample file stores only its mean over the lobe or
-// the light.
+// Counts glossy materials and area lights. A sample file stores only the mean of their light over
+// the lobe or the area.
 #pragma once
 
 #include <cstdint>

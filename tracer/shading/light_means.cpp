@@ -75,11 +75,8 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns k: the light is divided into k x k cells, each with one shadow ray. k is chosen so that a record
-// has a standard deviation of 2/255 of white.
-// A straight shadow edge crosses about k cells, and only these are noisy. So the mean of a radiance L has a
-// deviation of about L / (2 k^1.5).
-// A pixel is the mean of at least four records, so its deviation is at most 1/255.
+// Returns k, so that k x k shadow rays have a standard deviation of 2/255 of white. A radiance L has the
+// deviation L / (2 k^1.5), because a shadow edge crosses about k cells.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

@@ -24,9 +24,8 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate of the radiance, which decides whether quadtree cells are subdivided. It is the
-    /// radiance without shadows, multiplied by 1 if the whole light is visible and by 0 if it is hidden. The
-    /// factor is 0.5 if only a part is visible.
+    /// Noise-free estimate: the unshadowed radiance times 1, 0.5 or 0 if the light is
+    /// visible, partly visible or hidden.
     glm::dvec3 steady{0};
 };
 

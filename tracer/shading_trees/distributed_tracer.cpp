@@ -23,16 +23,12 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the surface hit with clamped radiance (LimitedNode) to whose radiance the light of this
-    /// shadow ray is added.
-    /// If it is `no_node`, nothing is clamped, and the light is added to the radiance of the eye ray.
+    /// Index of the lit surface hit if its radiance is clamped (LimitedNode).
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is clamped. Before it is clamped, the light of all light sources is summed
-/// here.
-/// The light above the clamp is added to the image later, as highlights (LightElsewhere).
+/// Sums the light of all sources at a surface hit before the hit's radiance is clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

@@ -35,15 +35,12 @@ struct EyeRays {
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
-    /// `less` decides by this position whether the point's radiance is clamped.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If not empty, holds one surface point per ray. Then only the light that `less` excludes at this point
-    /// is computed, and is added to `left_out`. Only the path to this point is traced, and `radiance` is not
-    /// computed.
-    /// If empty, `left_out` is 0.
+    /// One surface point per ray, or empty. If set, only the excluded light of the point (`left_out`)
+    /// is computed, and not `radiance`.
     std::vector<NodeIdentity> left_out_of;
 };
 
@@ -81,8 +78,6 @@ class DistributedTracer {
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
-    /// Returns true if the light at this hit is needed. If only the light of other surface points is needed
-    /// (`left_out_of`), the ray is merely followed to its next hit.
     [[nodiscard]] bool wants_light(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const {
         return eye.left_out_of.empty() || counts_as_left_out(ray, object, eye);
     }

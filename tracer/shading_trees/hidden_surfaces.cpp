@@ -43,7 +43,6 @@ struct Chain {
     std::vector<Places> places;  // for each surface so far, its raster positions at all instants
     LensReach::Covers covers;    // inverse depths of the surfaces so far
 
-    // Resets this object, so that it can follow another ray. The vectors keep their memory.
     void restart(std::uint32_t of) {
         ray = of;
         beyond = goes_on = still = false;
@@ -70,9 +69,8 @@ class Follower {
         return c.goes_on;
     }
 
-    // Returns the distance, m, from which the ray is traced on. This is just before the last hit, because
-    // another surface may touch it there, such as a floor under a box. If the last hit had already been found
-    // before (`beyond`), it is just behind the last hit.
+    // Tracing resumes just before the last hit, because another surface may touch it. After a repeated hit
+    // (`beyond`), tracing resumes behind it.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -86,9 +84,8 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // Decides whether the ray is followed further. If motion may reveal surfaces, this must be computed
-        // again after each hit, because fewer moving objects lie ahead. Otherwise it depends only on the
-        // surfaces so far, and `goes_on` stores the result.
+        // With motion, the decision to trace on may change after each hit, because
+        // fewer moving objects lie ahead.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
@@ -173,10 +170,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // The image in a mirror or in glass is deeper than the mirror itself. So a lens sees more of this
-        // image past an edge than of the mirror.
-        // The mirror therefore counts as seen if the lens would see some deeper surface past the surfaces in
-        // front.
+        // The image in a mirror or glass is deeper than the mirror itself, so a lens sees more of
+        // the image past an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -192,8 +187,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`. For this, each surface in front of `s` must have
-    // another raster position than `s` at some instant.
+    // Returns true if motion may uncover surface `s`, i.e. if every surface in front of it
+    // moves differently in the image.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -21,18 +21,16 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them. More
     /// are rarely visible in an image.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray that are recorded if only a wide lens can reveal them.
-    /// It is less than `most_uncovered`, because a lens reveals less behind an edge than motion does.
+    /// Largest number of recorded hidden surfaces per ray that only a wide lens reveals. Motion reveals more
+    /// behind an edge than a lens.
     static constexpr int most_seen_past = 3;
     /// A part of a hidden surface up to this width, px, counts as invisible. It covers at most a quarter of a
     /// pixel, that is, about one of the four or more samples that the pixel averages.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, only hidden surfaces that motion may reveal are returned, at most `most_uncovered` per
-    /// ray.
-    /// Motion reveals a surface if each surface in front of it is, at some instant, more than `same_place_px`
-    /// away from it on the raster.
+    /// If not null, only hidden surfaces that motion may reveal are returned,
+    /// at most `most_uncovered` per ray.
     const FilmMotion* motion = nullptr;
     /// If not null, hidden surfaces that a lens may see are also returned, whether it sees them directly or
     /// in mirrors and glass.
@@ -56,9 +54,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, of the image of an infinitely distant point on the ray.
-    /// It is 0 for an eye ray. After a curved mirror it is not, because the mirror shows distant points at a
-    /// finite depth.
+    /// Returns the inverse depth, 1/m, of the image of an infinitely distant point. A curved mirror shows
+    /// it at a finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

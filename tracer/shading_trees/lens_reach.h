@@ -32,10 +32,8 @@ class LensReach {
     /// - The position of the edge is known only up to the diagonal of a pixel.
     /// - The corners of all pixels that show a part of the strip must be included.
     static constexpr double margin_px = 2.5;
-    /// Two positions in the image count as the sides of an edge if their surfaces differ enough in depth.
-    /// When the lens point moves from the centre to the rim, the images of the two surfaces shift relative to
-    /// each other. This shift must be at least this fraction of the distance between the positions.
-    /// A plane reaches this value only if it is so oblique that no lens point sees behind it.
+    /// Two image positions lie on different sides of a depth edge if their parallax over the lens radius is
+    /// at least this fraction of their distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
@@ -62,8 +60,7 @@ class LensReach {
     /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
     /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Like may_see, but for a hidden surface at any depth. `covers` describes the surfaces in front of it on
-    /// the same ray.
+    /// Like may_see, but for an infinitely distant surface behind those in `covers`.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -88,10 +85,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// When the lens point moves from the centre of the lens to its rim, the images of two surfaces shift
-    /// relative to each other. The shift, px, is this factor times the difference of their inverse depths,
-    /// 1/m.
-    /// The factor is the lens radius, m, divided by the camera's tangent per pixel.
+    /// Parallax, px, between the centre and the rim of the lens per difference of inverse depths, 1/m.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

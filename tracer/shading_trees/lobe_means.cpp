@@ -18,9 +18,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Neighbouring hits share the rays into their glossy lobes. This is the largest weight that a ray sent for
-// one hit gets in the mean of another hit.
-// A weight is high where the lobe for which the ray was sent has a low density. High weights cause noise.
+// Limits the weight of a ray into a glossy lobe when a neighbouring hit uses it
+// too. High weights cause noise.
 constexpr double most_weight = 8;
 
 // True if two surface hits may share rays to average over their glossy lobes.
@@ -30,10 +29,8 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// A ray sent for hit b also counts in the mean over the glossy lobe of hit a. Returns a factor of its weight
-// there.
-// The factor is 1 if both hits have the same raster position, and falls to 0 at a distance of `reach_px`. So
-// the mean is continuous over the image.
+// Weight of a ray of hit b in the mean over the glossy lobe of hit a. It falls to 0 with the distance, so
+// that the mean is continuous.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -123,9 +120,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, whose directions are samples of glossy lobes. Rays whose hits have
-// the same `nodes_left`, the number of surfaces that may still follow, are traced together.
-// So the rays must be sorted by it.
+// Traces rays into glossy lobes, sorted by `nodes_left`, the number of surfaces that may still follow.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -204,8 +199,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // If `weight` is NaN (0 times an infinite bound), std::min returns `count`. So as many test rays
-        // (pilots) are sent as the group has hits.
+        // If `weight` is NaN, std::min returns `count`, so that every hit sends one test ray (pilot).
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
@@ -233,9 +227,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Estimates how many hits of the group share their rays with this hit. Nearer hits count more
-            // (`window`).
-            // Only every `stride`-th hit is tested, to save time.
+            // Estimates how many hits share their rays with this hit. To save time, only
+            // every `stride`-th hit is tested.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

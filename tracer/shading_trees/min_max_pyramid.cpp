@@ -19,8 +19,6 @@ double distance2_of(double x, double y, int square_x, int square_y, double size)
     return dx * dx + dy * dy;
 }
 
-/// Returns true if the value `low` belongs to the search region `cone`. `distance2()` returns the squared
-/// distance of the value from the region's centre.
 template <typename Distance2>
 bool may_contain(const MinMaxPyramid::Cone& cone, float low, const Distance2& distance2) {
     const double under = cone.top - static_cast<double>(low);
@@ -103,9 +101,7 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // The stack holds the squares that are still to be searched. There are at most 9 at the first level.
-    // Below it are at most 31 levels, each with at most three parts of a square. 9 + 3 * 31 = 102, so 128
-    // entries suffice.
+    // Squares still to search: at most 9 at the first level and 3 at each of 31 levels below, 102 in all.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;

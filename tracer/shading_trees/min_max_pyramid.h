@@ -1,6 +1,4 @@
-// A raster of values, in which a value below a limit is quickly found near a position.
-// The limit falls with the distance from the position. So the search region, in position and value, is a
-// cone.
+// A raster with the minima and maxima of ever larger squares, to find low values near a position quickly.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +13,8 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Search region for values well below `top` near the position `at`. It contains a value at a distance d
-    /// from `at` if d <= radius and the value is at most top - least and at most top - slope * d.
+    /// Search cone in position and value: values up to top - max(least, slope * d)
+    /// at distances d <= radius from `at`.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -29,13 +27,11 @@ class MinMaxPyramid {
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Returns whether the cone contains any value, like any_in, but several times faster for wide cones.
-    /// May also return true for a value that lies outside the cone by up to an eighth of the radius. A hint
-    /// only saves time and does not change the result.
+    /// Like any_in, but faster for wide cones. Values outside the cone, by up to an eighth of
+    /// its radius, may count too.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Tests only the square of values that is given by the hint, without a search. If hint_in returns true,
-    /// any_in(cone) is also true. If hint_maybe_in returns true, maybe_any_in(cone) is also true.
+    /// Tests only the square at which an earlier search ended. If true, any_in or maybe_any_in is also true.
     [[nodiscard]] bool hint_in(const Cone& cone, const Hint& hint) const { return at_hint(cone, 0, hint); }
     [[nodiscard]] bool hint_maybe_in(const Cone& cone, const Hint& hint) const {
         return at_hint(cone, coarse_level(cone.radius), hint);

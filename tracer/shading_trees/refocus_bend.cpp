@@ -25,9 +25,8 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Estimated error after the first Newton step, as a fraction of this step.
 // After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Rays from two lens points are traced first. The matrix W predicts these rays linearly. If both rays differ
-// from their prediction by at most this fraction of `settled_px`, no rays from the opposite lens points are
-// traced.
+// Opposite lens points are skipped if the first two rays deviate from their linear prediction by at
+// most this fraction of `settled_px`.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
@@ -152,18 +151,15 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray's angle to the optical axis.
-/// A larger tangent occurs only if Newton's method diverges or if its starting value, which W predicts, is
-/// unbounded.
+/// Newton's method has failed if the tangent of a ray's angle to the optical axis exceeds this value.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Searches for the rays from lens points that reach given surface points. The matrix W predicts the tangent
-/// of each ray linearly.
-/// The result is the departure: the difference between the tangent of the ray and its prediction.
+/// Finds rays from lens points to given surface points by Newton's method. A ray's departure is the deviation
+/// of its tangent from a linear prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -171,8 +167,7 @@ struct Search {
     std::vector<bool> ended;  ///< one of its rays is lost
     /// Per node, the greatest departure of its converged rays.
     std::vector<double> greatest;
-    /// Per surface point, a lower bound of the largest departure of its rays from the tangents that W
-    /// predicts.
+    /// Per surface point, a lower bound of the largest departure of a ray from its linear prediction.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -194,9 +189,6 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the difference between the ray's tangent and the tangent that W predicts, plus the remaining
-    /// error of Newton's method. Infinite if no ray was found. Not for a ray that hit another object or
-    /// nothing (`hidden`).
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -234,8 +226,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the ray with the largest departure from its linear prediction counts for a surface point.
-            // So the Newton search for a ray ends early if its departure is certainly smaller.
+            // Only the largest departure per surface point counts, so the search for a ray with
+            // a smaller departure ends early.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -280,8 +272,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens has reached the surface point. The result for this
-    // point, `w_bend`, is then unknown and is set to infinity.
+    // A negative value means that no ray from the lens reached the surface point, so the result is unknown.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

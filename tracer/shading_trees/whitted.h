@@ -24,9 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. A glossy lobe may be wider than the lens, as seen from the surface. Then its mean
-    /// radiance is recorded. For a narrower lobe, the radiance from the exact direction of reflection or
-    /// refraction is recorded. If 0, all lobes are averaged.
+    /// Lens radius, m. Glossy lobes wider than the lens are averaged. For narrower ones, only the exact
+    /// direction is traced. If 0, all are averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -73,12 +72,8 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of its radiance (r, g, b) that has sampling noise:
-    /// - the means over glossy lobes, which are estimated with random rays
-    /// - in the penumbra of an area light, the difference between its sampled light and a noise-free estimate
-    ///   (ExtentLit::steady)
-    ///
-    /// Empty if no record has noise.
+    /// Per record, the noisy part of the radiance, from random rays into glossy lobes and to area lights.
+    /// Empty if no record is noisy.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
@@ -109,10 +104,8 @@ class WhittedTracer {
     /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// `w_bend` measures how nonlinearly the image of a surface moves when the lens point moves. It is
-    /// estimated from nearby samples (bend_around) if their values are similar.
-    /// If their values displace the image by less than this, px, for every lens point, the estimate is also
-    /// made from values that differ.
+    /// If nonlinear motion over the lens displaces an image by less than this, px, `w_bend` may be estimated
+    /// from neighbours with different values.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.
