@@ -39,8 +39,7 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // These four members are copied into every ray (SightLine) that is traced for this image. `number` is
-    // called `view` there.
+    // Copied into every ray (SightLine) that is traced for this image. `number` becomes SightLine::view.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -77,9 +76,8 @@ struct PatchViews {
     /// LeftToRays::unsure holds.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// To measure the image's error, rays check the recorded colour of pixel (x, y) in some views (images for
-    /// one lens point and instant). Appends the indices of these views to `views`. Optional; requires `rays`,
-    /// the ray tracer.
+    /// Selects the views in which rays check the recorded colour of pixel (x, y), and appends their indices
+    /// to `views`. Optional; requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// To measure the error of highlights (small bright spots), extra rays are aimed at them from randomly
     /// selected pixels. Returns the probability with which pixel (x, y) was selected, or 0 if it was not.
@@ -93,12 +91,11 @@ struct PatchViews {
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// Maps an object's id to the number of its group; all objects of a group have the same motion. Only
-    /// needed if objects move or `class_marks`, the next member, is not empty.
+    /// Returns the number of an object's motion group; the objects of a group move alike. Needed only if
+    /// objects move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Has one bit mask per group of objects with the same motion. The masks mark, in PatchPicture::touched,
-    /// which pixels the group may change. A group at rest has the mask 0. If this list is empty, `touched` is
-    /// not computed.
+    /// For each motion group: bits to set in PatchPicture::touched where the group may change a pixel; 0 at
+    /// rest. Without this list, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
@@ -107,13 +104,11 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The rectangle of recorded pixels (the end is exclusive). If it is set, and rays are traced or objects
-    /// move, pixels that may show an unrecorded object from outside the rectangle count as unknown. Required
-    /// if rays are traced.
+    /// Rectangle of recorded pixels; the end is exclusive. Pixels that an unrecorded object from outside may
+    /// cover count as unknown. Required if rays are traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of all lens points, in m, multiplied by the film distance in px. Required with
-    /// rays or highlights, because they need the surfaces that any lens point sees, even if no view uses this
-    /// lens point.
+    /// Largest |x| and |y| of all lens points, in m, times the film distance in px. It bounds how far the
+    /// lens displaces surfaces. Required with rays or highlights.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -144,9 +139,9 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether light of any highlight reaches a rectangle of the image, in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`. The first three are the red, green and blue light of the
-    /// highlights. The fourth is the square of their brightest channel, averaged over all lens points. Each
-    /// row of `light` has TileViews::row pixels.
+    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels:
+    /// - 0 to 2: red, green and blue of the highlights;
+    /// - 3: the mean, over all lens points, of the square of the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A random ray from a pixel towards a highlight (small bright spot). The light that the pixel receives
@@ -164,9 +159,8 @@ class Lights {
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Measures the error of one pixel: compares traced rays with recorded colours in some views (images for one
-/// lens point and instant). A view's residual is the ray's radiance minus the recorded radiance. It is 0 if
-/// the image itself uses the ray, because then there is no error.
+/// Error of one pixel, measured in some views. A residual is the radiance of a traced ray minus the recorded
+/// radiance; it is 0 if the image itself uses the ray.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;      ///< all rays of the pixel, except HighlightCheck::aimed
@@ -198,9 +192,8 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted fraction of the views in which a reflection or refraction was not recorded. If the
-    /// unrecorded light is known to be darker than the pixel, the fraction is scaled down, because the error
-    /// is then small.
+    /// Per pixel: weighted fraction of the views with an unrecorded reflection or refraction. It is reduced
+    /// if the missing light is known to be darker than the pixel.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
@@ -208,8 +201,8 @@ struct PatchPicture {
     /// Per pixel: result of comparing traced rays with recorded colours, to measure the error of the image.
     /// PatchViews::checked selects what is compared; if it is not set, this list is empty.
     std::vector<PixelCheck> checks;
-    /// Per pixel: the light of highlights in the image, and the same light measured with rays, which shows
-    /// its error. Empty if the image has no highlights or PatchViews::checked is not set.
+    /// Per pixel: rays that measure the error of the highlights' light. Empty without highlights or without
+    /// PatchViews::checked.
     std::vector<HighlightCheck> highlight_checks;
     /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
     /// Lights::add). Empty if the image has no highlights.
@@ -219,13 +212,12 @@ struct PatchPicture {
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws each image of `out` (field.width x field.height px) as the mean of its views. A view is the image
-/// for one lens point and instant. Image squares that no element of `field.sets` draws keep their values. The
-/// result is bit-identical for any number of threads.
+/// Makes each image of `out` (field.width x field.height px) as the mean of its views (images for one lens
+/// point and instant). Squares without views keep their values. The result is bit-identical for any number of
+/// threads.
 ///
-/// The sets of views may be divided among several calls, with the same result, unless rays are traced and
-/// objects move. Then a call with more views may trace more rays, because the views also serve to estimate
-/// the paths of moving objects.
+/// The sets of views may be divided among several calls. With rays and moving objects, the result may then
+/// differ, because each call estimates the objects' paths from its own views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

@@ -61,9 +61,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // `q` is the point `p` after the motion, in homogeneous coordinates; `q_x` and `q_y` are its derivatives
-    // along the surface. For an orthographic camera, the matrix acts on z instead of 1/z. So slopes of 1/z
-    // are multiplied by `by_depth`, the derivative of z with respect to 1/z.
+    // For an orthographic camera, the matrix acts on z instead of 1/z. `by_depth` converts slopes of 1/z to
+    // slopes of z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

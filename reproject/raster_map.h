@@ -39,9 +39,10 @@ class RasterMap {
     /// Maps a raster position and inverse depth to another instant. Returns nothing if the mapped point lies
     /// behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the motion around the surface point `p`. `slope` is the gradient of inverse depth, per px;
-    /// `reach` is half the surface's size in px. Returns nothing if a part of the surface would move behind
-    /// the camera.
+    /// Linearises the motion around the surface point `p`. Returns nothing if a part of the surface would
+    /// move behind the camera.
+    /// - `slope`: gradient of inverse depth, per px
+    /// - `reach`: half the surface's size, in px
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -54,10 +55,9 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// How far the image of a surface point moves if a lens point sees it instead of the pinhole: by `(I / s - W)
-/// lens_px + offset_px`. s is the focus distance and I the unit matrix.
-/// The 2x2 matrix W is recorded for each surface point. If the point is directly visible and has the depth
-/// z', then W = I / z'. So points in focus move only by `offset_px`.
+/// Displacement, in px, of a surface point's image if a lens point sees it instead of the pinhole:
+/// `(I / s - W) lens_px + offset_px`. I is the unit matrix, s the focus distance, and W the point's matrix (I
+/// / depth if seen directly).
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

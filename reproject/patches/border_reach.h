@@ -52,15 +52,14 @@ class BorderReach {
         /// Largest distances, in px, by which any view displaces the recorded pixels at this side of the
         /// image: `deepest_px` towards the image's interior, `sideways_px` parallel to the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges the bounds of displacement, `deepest_px` (towards the image's interior) and `sideways_px`
-        /// (parallel to this side), to include a pixel that moves by `moved_px`. `around_px` is added as a
-        /// tolerance per axis.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px`, with a tolerance
+        /// of `around_px` per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Position, in raster px, at which a view shows a pixel from the border of the recorded image. `along`
-    /// is the coordinate parallel to the border, `across` the one perpendicular to it.
+    /// A border pixel of the recorded image, as displaced in a view, in raster px: `along` is parallel to the
+    /// border, `across` perpendicular.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

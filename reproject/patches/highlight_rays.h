@@ -18,9 +18,8 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Compares the highlights' light in each pixel, `light` (from Lights::add), with rays traced towards the
-    /// highlights. Stores the results in the member `sums`. A first round of rays decides how many rays a
-    /// pixel needs; `checks` counts only this round.
+    /// Traces rays towards highlights to measure the error of `light` (from Lights::add), and stores the
+    /// results in `sums`. `checks` counts the rays of the first round.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

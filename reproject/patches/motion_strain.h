@@ -14,9 +14,8 @@ namespace postlens {
 /// Computes an upper bound of how much motion distorts the image of a part of an object's surface during the
 /// exposure. Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// For each tested instant: the motions, on the raster, of all groups of objects (the objects of a group
-    /// have the same motion). `strain_views` instants, uniform over the exposure, are enough to find the
-    /// largest distortion.
+    /// For `strain_views` instants, uniform over the exposure: the motions of all groups of objects. The
+    /// objects of a group move alike.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

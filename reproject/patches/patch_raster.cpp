@@ -19,8 +19,8 @@ constexpr double smallest_area = 1e-6;
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The rectangle of a tile's pixels that a planar patch may cover. Each pixel has one sample. In the patch's
-/// coordinates, the i-th sample of the rectangle in row j lies at first(j) + i * (by_x, by_y).
+/// The pixels of a tile that a patch may cover. In the patch's coordinates, sample i of row j lies at
+/// first(j) + i * (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -41,8 +41,8 @@ struct Run {
     }
 };
 
-/// Consecutive samples of an image row, for SIMD code. A patch consists of recorded pixels, called cells.
-/// Each sample has the index of the cell that it hits, its position in the cell, and its inverse depth.
+/// Consecutive samples of an image row, for SIMD code: the patch's pixel (`cell`) that each sample hits, the
+/// position in that pixel, and the inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -96,9 +96,6 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
         // For values of 0 or more the conversion rounds down.
         const auto ix = static_cast<std::int32_t>(std::min(std::max(x, 0.0F), x_last)),
                    iy = static_cast<std::int32_t>(std::min(std::max(y, 0.0F), y_last));
-        // Each patch is drawn slightly beyond its edges, to avoid cracks between neighbours. There, its
-        // inverse depth is reduced, so that the neighbouring patch, to which the sample belongs, stays in
-        // front.
         const bool own = (x >= 0) & (x < run.width) & (y >= 0) & (y < run.height);
         const float mine = std::max(z + z_x * x + z_y * y, 0.0F) * (own ? 1.0F : in_overlap);
         cell[n] = iy * stride + ix;
@@ -112,8 +109,6 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples that show the mirror or glass object `id`: bit n is set if in[n] equals
-/// `id`. Reflections and refractions of this object are drawn only in these samples.
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -279,8 +274,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, not only the columns of the rectangle `part`, because draw_patch_in tests
-        // samples from the tile's left border on.
+        // Clears the whole row, because draw_patch_in reads samples from the tile's left border on.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -315,8 +309,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
     draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
-    // Also draws the patch in pixels where the mirror or glass that shows it is unrecorded. Only accurately
-    // reprojected patches (not `bent`) are drawn there.
+    // In pixels where the mirror or glass itself is unrecorded, only accurately reprojected patches are
+    // drawn.
     if (!wanted.any_gaps || patch.bent) return;
     draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }

@@ -79,9 +79,8 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether a rectangle touches an 8 x 8 px block that contains an added pixel. So the result may
-    /// be true although the rectangle itself contains none. The rectangle is [x0, x1] x [y0, y1], in px from
-    /// the tile's corner.
+    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches an 8 x 8 px block with a
+    /// pixel passed to `add`.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -135,11 +134,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 /// drawn as separate surfaces.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch (planar part of a surface) that is seen in a mirror or through glass, with a depth test.
-/// Draws it only in the pixels of `wanted`, which show this mirror or glass. The patch may be
-/// mirror-inverted.
-/// Draws nothing if one recorded pixel of the patch would be stretched to more than `largest_torn_px` px.
-/// `out` must come from find_wanted.
+/// Draws a patch that is seen in a mirror or through glass, with a depth test, in the pixels of `wanted`.
+/// Draws nothing if a recorded pixel would be stretched to more than `largest_torn_px` px. `out` must come
+/// from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

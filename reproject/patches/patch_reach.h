@@ -21,9 +21,9 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the patch's bounding rectangle as seen from one lens point. `lens` is the lens point, in m,
-    /// times the film distance in px (LensShift::lens_px). `shift` is how far infinitely distant points
-    /// appear displaced, in px, compared with the pinhole.
+    /// Returns the patch's bounding rectangle as seen from one lens point.
+    /// - `lens`: the lens point (LensShift::lens_px)
+    /// - `shift`: displacement of infinitely distant points in the image, in px
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);

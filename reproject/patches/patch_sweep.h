@@ -18,17 +18,15 @@ namespace postlens {
 /// all instants of an image.
 class PatchSweep {
   public:
-    /// `field` describes what is drawn. Keeps a reference to it, and uses only its members `motion_class`,
-    /// `lens_reach_px` and `sets`.
+    /// Keeps a reference to `field`, of which only `motion_class`, `lens_reach_px` and `sets` are used.
     explicit PatchSweep(const PatchField& field);
     /// Returns the rectangle that contains the patch in all views, in raster px. It is empty if no view uses
     /// the recorded instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Lower and upper limit of LensShift, the displacement of images by the lens, over all views. The
-    /// position of a static patch is an affine function of it, so the positions at the limits bound all
-    /// others.
+    /// Lower and upper limits of LensShift over all views. They bound the position of a static patch, because
+    /// it is an affine function of LensShift.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves

@@ -37,9 +37,10 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Bounds how much motion distorts the image of a part of a surface in all views. Arguments: the surface,
-    /// the part's centre, its gradient of inverse depth, and half its size in px. If this function is empty,
-    /// nothing moves.
+    /// Bounds the distortion of a part of a surface by motion, over all views. Empty if nothing moves.
+    /// - `middle`: centre of the part
+    /// - `slope`: gradient of its inverse depth
+    /// - `reach`: half its size, in px
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
@@ -82,9 +83,8 @@ struct PatchMesh {
     /// depth, 1/z'. If the matrix W (motion of images with the lens point) is stored, its entries xx, xy, yx
     /// and yy follow.
     std::vector<CellPlane> planes;
-    /// For each sheet (surface within a raster square): bits that tell whether its reflection and its
-    /// refraction are drawn as if painted on the surface, because they hardly move on it
-    /// (PatchLens::follow_px). child_bit returns the bits.
+    /// Per sheet: bits (child_bit) of the reflection and refraction that are drawn as if painted on the
+    /// surface (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
     /// Returns two bits (child_bit), which tell whether a surface's reflection and its refraction are drawn
@@ -163,9 +163,8 @@ struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Finds the parts of a patch that may hide a bright scene point of inverse depth `light_per_m`. Appends all
-/// parts with inverse depths above `nearest_per_m`, and their maps to the pixels in which they hide the point
-/// (place_patch). `nearest_per_m` must be at least `light_per_m`.
+/// Appends the parts of a patch that may hide a bright point of inverse depth `light_per_m` and are nearer
+/// than `nearest_per_m`. Requires nearest_per_m >= light_per_m.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

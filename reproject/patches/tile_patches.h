@@ -43,8 +43,7 @@ class PatchBins {
     PatchBins(const PatchField& field, const MotionMarks& marks);
     [[nodiscard]] int columns() const { return columns_; }
     [[nodiscard]] int rows() const { return rows_; }
-    /// Returns whether any recorded instant has surfaces seen by reflection or transmission, so that its eye
-    /// rays form trees.
+    /// Returns whether any recorded instant has reflected or transmitted surfaces.
     [[nodiscard]] bool trees() const { return trees_; }
     /// Returns the indices of the directly visible patches (planar parts of surfaces) that some view may show
     /// in the tile.
@@ -57,9 +56,8 @@ class PatchBins {
     /// Counts the patches that are seen by reflection or transmission and may appear in a rectangle of a
     /// tile. Returns whether any recorded instant has more than `most` of them.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Call after `gather`. Adds the patches that are seen by reflection or transmission in the rectangle,
-    /// ordered by their sequences of bounces. A sequence without a patch is also listed, so that the surfaces
-    /// seen by it count as unrecorded.
+    /// Adds the patches seen by reflection or transmission in `rect`, ordered by sequence of bounces.
+    /// Sequences without patches are included; their surfaces count as unrecorded.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

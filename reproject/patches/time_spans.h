@@ -9,9 +9,8 @@
 
 namespace postlens {
 
-/// The first and last view (image for one lens point and instant) in a span of 1/64 of the exposure. Between
-/// them, the image of a moving surface is assumed to stay near a straight line: its distance from the line is
-/// less than the line's length.
+/// The first and last view in 1/64 of the exposure. Between them, a moving surface is assumed to deviate from
+/// a straight line by at most the line's length.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -20,9 +19,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Groups those views that show moving surfaces, as recorded at `instant`, into short time spans. If no rays
-/// are traced, the time of a view (PatchView::light_before) may be unset, so each view becomes a span of its
-/// own. The result points into `field`.
+/// Groups the views that show moving surfaces, as recorded at `instant`, by time. Without rays, each view is
+/// a span of its own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

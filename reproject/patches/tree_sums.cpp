@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// In some views, a reflected or transmitted surface may be unrecorded. If the surface is recorded in less
-/// than this fraction of the views, the radiance that the pinhole sees is blended in.
+/// If a reflected or transmitted surface is recorded in less than this fraction of the views, the pinhole's
+/// radiance is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -83,9 +83,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // The surface is drawn inside its mirror or glass. This may be unrecorded, such as the far side of a
-        // glass ball. Then the surface is drawn only if the nearest recorded surface towards the eye is part
-        // of the same object.
+        // Where the mirror or glass is unrecorded, the surface is drawn only inside the same object, such as
+        // a glass ball (id_around).
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -207,8 +206,7 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // `c` is one sequence of reflections and transmissions. If views need a surface seen by this sequence
-        // but no view shows one, its radiance is unknown and may be arbitrarily large.
+        // If views need the surface but none shows it, its radiance is unknown.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -220,8 +218,7 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // In some views, the mirror or glass that shows this surface is unrecorded. These views are assumed
-        // to see the mean of the other views, so the surface's sum is scaled up to the weight of all views.
+        // Views in which the mirror or glass is unrecorded are assumed to see the mean of the other views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -25,19 +25,16 @@ namespace postlens {
 /// nodes are also drawn where their parent is missing.
 class TreeSums {
   public:
-    /// Begins a new tile (square of the image). `paths`: all sequences of reflections and transmissions that
-    /// may occur in it, in any order, possibly repeated. `at`: position of the tile, and the part of it that
-    /// is used.
+    /// Begins a tile (square of the image). `paths`: all sequences of reflections and transmissions that may
+    /// occur in it, in any order, possibly repeated.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins a view (image for one lens point and instant). A view may be blended from two recorded
-    /// instants; then this function is called for each of them. `primary`: the visible surfaces, valid until
-    /// all pixels have been added.
+    /// Begins one recorded instant of a view. `primary`: the visible surfaces, valid until all pixels have
+    /// been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Prepares to draw the surfaces that are seen by `path`, a sequence of reflections and transmissions.
-    /// Stores in `wanted` the pixels that show their mirror or glass. Returns the tile to draw into, or null
-    /// if there are no such pixels. Draw shorter sequences first.
+    /// Finds the pixels `wanted` in which surfaces seen by `path`, a sequence of bounces, are drawn. Returns
+    /// the tile to draw into, or null. Draw shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
@@ -83,9 +80,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Upper bound of the radiance that surfaces seen by this sequence of bounces add to a pixel, in
-        /// views in which they are unrecorded. It includes the surfaces seen by longer sequences, which begin
-        /// with this one.
+        /// Upper bound of the radiance that is missing if surfaces seen by this sequence of bounces, or by
+        /// longer ones, are unrecorded.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -95,16 +91,13 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// In some views, a mirror or glass is unrecorded in pixel k, but surfaces seen in it are recorded. Adds
-    /// these surfaces to the sums; returns whether there are any. `chain` is the sequence of bounces by which
-    /// the mirror or glass is seen.
+    /// Adds the surfaces seen in a mirror or glass that is itself unrecorded in pixel k. Returns whether
+    /// there are any. `chain`: bounces up to the mirror or glass.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// `chain` is a sequence of reflections and transmissions. Returns the id of the object at its last
-    /// bounce: the mirror or glass that shows surfaces in pixel k. If it is unrecorded, returns the nearest
-    /// recorded object towards the eye.
+    /// Returns the id of the mirror or glass at the last bounce of `chain` in pixel k or, if it is
+    /// unrecorded, of the recorded object in front of it.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums over views for pixel k and `chain`, one sequence of reflections and transmissions.
     /// The first call for a tile sets the sums of all its pixels to 0.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 

@@ -64,9 +64,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Every pixel is written to the end of the list `doubtful_`, but only pixels that may need a ray
-            // are counted. The next pixel overwrites one that was not counted. A branch would often be
-            // mispredicted.
+            // Avoids a branch, which would often be mispredicted: every pixel is written, but only doubtful
+            // pixels advance `count`.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

@@ -34,9 +34,8 @@ struct ShownView {
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// A view may blend two recorded instants. Returns the weight of instant `u` (0 or 1) in pixel `k`. If
-    /// both instants show the same surface, their colours are blended. If not, only the nearer surface counts
-    /// or, if its outline is imprecise, only the farther one.
+    /// Returns the weight of recorded instant `u` (0 or 1) in pixel `k`. Of two different surfaces, only the
+    /// nearer one counts, unless its outline is imprecise.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -46,9 +45,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// The object in pixel `k` is recorded at two instants. Returns whether instant `u` (0 or 1) has the less
-    /// precise outline: the object is recorded at a smaller size there, and its quadtree cells are larger
-    /// than the view's pixels.
+    /// Returns whether the outline at recorded instant `u` is the less precise one: the object was recorded
+    /// at a smaller size, with quadtree cells larger than a pixel of the view.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
     /// (x, y) is the pixel's position in the tile.
@@ -77,17 +75,15 @@ class RaySamples {
     /// and transmitted light is determined by recorded surfaces.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// One bit mask per pixel. A view may blend two recorded instants, u = 0 and u = 1. If bit u is set, a
-    /// ray replaces the colour from instant u.
+    /// Per pixel: bit u is set if a ray replaces the colour from recorded instant u (0 or 1).
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Schedules rays for the pixels whose directly visible surface is not determined by the sample file. If
     /// something moves, also schedules rays for all mirrors and glass, because a reflection moves differently
     /// from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays for pixels that show mirrors or glass, if the sample file does not determine the
-    /// reflected or transmitted light. `trees` holds this light as recorded at instant `u` (0 or 1) of the
-    /// view.
+    /// Schedules rays where `trees`, the reflections and refractions recorded at instant `u` (0 or 1), do not
+    /// determine the light of a pixel.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -96,8 +92,8 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels that may need a ray, because their colour is missing or may be uncertain. For all
-    /// other pixels, this quick test saves the slower tests in set_aside.
+    /// A quick test before the slower ones of set_aside: lists the pixels whose colour is missing or may be
+    /// uncertain.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -116,9 +112,8 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded colours of the selected pixels, to compare them with rays later. Skips colours
-    /// that a ray replaces in the image anyway. `number`: index of the view. Call for each recorded instant
-    /// `u` of the view. `trees` may be null.
+    /// Stores recorded colours, for comparison with rays, except those that rays replace. Call for each
+    /// recorded instant `u` of view `number`. `trees` may be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -130,9 +125,8 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Recorded radiance times weight, which is compared with traced rays. `noted_` has one element per
-    /// selected pixel of the current view, `recorded_` one per ray. The component w is the weight: the
-    /// fraction of the colour that no ray replaces in the image.
+    /// Radiance times weight, and the weight (w): `noted_` per selected pixel of the current view,
+    /// `recorded_` per traced ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

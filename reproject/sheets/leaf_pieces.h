@@ -98,10 +98,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// key_pieces_: for each surface, its number of pieces (parts of quadtree cells). sort_pieces replaces
-    /// the number by the index in sorted_ that follows the surface's last piece.
-    /// key_group_: for each surface, the index in groups_ of its nearest ray hits at the current cell's
-    /// corners.
+    /// `key_pieces_`: for each surface, its number of pieces; sort_pieces replaces it by the end of these
+    /// pieces in `sorted_`.
+    /// `key_group_`: for each surface, the first of its groups in `groups_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -6,9 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Two neighbouring ray hits belong to different surfaces if the line between them is steeper than this. The
-/// value is the tangent of the angle to the film. A sphere of 1600 px radius is steeper only within 0.5 px of
-/// its outline.
+/// Largest slope between neighbouring ray hits on one surface: tangent of the angle to the film. A sphere of
+/// 1600 px radius is steeper only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
 /// Combines the hits of one eye ray and its reflections, in one layer (visible or hidden), into a surface
@@ -33,9 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // `near` and `far` are inverse depths. The slope is the depth difference of two hits divided by their
-    // distance parallel to the film. For a perspective camera, this distance is `across` times the depth 1 /
-    // far, so `far` cancels.
+    // Inverse depths. For a perspective camera, the hits are across / far apart, so the slope is
+    // (1 / far - 1 / near) / (across / far) = (near - far) / near / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -143,9 +141,8 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and flags of each reflected or transmitted ray hit to the mirrors and glass that show
-/// it. Also updates their TreeSurface::strays, the largest motion of this light relative to them. Hits
-/// brighter than `bright_above` set it to infinity, so that they are drawn as separate surfaces.
+/// Adds the radiance and flags of reflected and transmitted hits to the mirrors and glass that show them.
+/// Updates TreeSurface::strays, infinite for hits above `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

@@ -36,9 +36,9 @@ struct TreeSurface {
     /// The radiance that is seen in this surface: [0] by reflection, [1] by transmission. It includes light
     /// that arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// How differently this surface and the surfaces seen in it ([0] by reflection, [1] by transmission) move
-    /// in the image with the lens point. It is the largest spectral norm of the difference between their
-    /// matrices W, in 1/m. Infinite if one of them is so bright that it is drawn separately.
+    /// Largest difference in motion over the lens between this surface and its reflection [0] or refraction
+    /// [1]: spectral norm of the difference of W, in 1/m. Infinite for bright light, which is drawn
+    /// separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -50,8 +50,7 @@ struct TreeSurface {
 /// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
 /// camera, it is in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel, to compute the argument `across` of is_one_surface. For a perspective
-/// camera, the width on the film is divided by the film distance. For an orthographic camera, it is in m.
+/// Returns the argument `across` of is_one_surface for rays that are one pixel apart.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
@@ -74,13 +73,10 @@ struct SampleTrees {
     bool any_below = false;  ///< false if all `below` are black
 };
 
-/// Converts all hits of the eye rays `points`, and of their reflections and refractions, to surfaces.
-/// Surfaces seen directly go to `primary`, reflected and transmitted ones to `deeper`. `points` were read
-/// from `band`, from row y_begin on.
-///
-/// Some surfaces are hidden behind others within a reflection or refraction. They are used only if the mirror
-/// or glass is recorded. Surfaces brighter than `bright_above` in any channel are always drawn separately,
-/// never as if painted on their mirror or glass (TreeSurface::strays).
+/// Converts all hits of eye rays to surfaces.
+/// - `points`: the eye rays, read from `band`, from row `y_begin` on
+/// - `bright_above`: surfaces brighter in any channel are drawn separately from their mirror or glass
+/// - `primary`, `deeper`: receive the surfaces seen directly, and those reflected or transmitted
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

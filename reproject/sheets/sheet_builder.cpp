@@ -76,8 +76,8 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether the cell `p` overlaps, in the image, a cell that already belongs to `part`. One of
-    // these cells must then lie behind the other, so `p` belongs to another surface.
+    // Returns whether `p` overlaps a cell of `part` in the image. Both then belong to different surfaces, one
+    // behind the other.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -261,8 +261,6 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // Takes the colour of the first of these cells that certainly shows the surface. If the surface may
-        // be absent from all of them, the quadtree node becomes `maybe`.
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }

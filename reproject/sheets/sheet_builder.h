@@ -30,9 +30,8 @@ class SheetBuilder {
     /// Returns the flags (RecordMark) that the records at all four corners of the quadtree cell have, such as
     /// "texture finer than the samples".
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the reflected or transmitted light inside a quadtree cell is uncertain. This is so if
-    /// its contrast between the cell's corners is high. It is also so if all corners have the same RecordMark
-    /// flag, such as "texture finer than the samples".
+    /// Returns whether the reflected or transmitted light in a cell is uncertain: its contrast between the
+    /// corners is high, or all corners have the same RecordMark flag.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -42,8 +41,7 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Call after adding a quadtree cell. Assigns to this cell the highlights (bright radiance) with index
-    /// `first_light` and above. `area` is the cell's area in px^2.
+    /// Assigns the highlights from index `first_light` on to the quadtree cell added last, of `area` px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

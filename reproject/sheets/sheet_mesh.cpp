@@ -18,14 +18,14 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// The lists of several parallel tasks are joined. For one task, these are the lengths of the joined lists
-/// before its elements are appended. These lengths are added to the task's indices.
+/// Lengths of the joined lists before the lists of one task are appended. They are added to the indices of
+/// the task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// The lists of several tasks are copied to one list. If this list has more than this many bytes, the freed
-/// memory of the other lists is returned to the system. For smaller lists, this takes too long.
+/// Bytes of joined lists above which the memory of the separate lists is returned to the system. Below,
+/// returning it is not worth the time.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the surfaces that several parallel tasks have built, and frees the tasks' lists. Indices are
@@ -166,8 +166,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row only provides the lower corners of the pixels above it. It is read again with the rows
-        // below, so the callback `also` receives it only then, or here at the end of the file.
+        // The last row is read again with the rows below. So `also` receives it only then, or here at the end
+        // of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -197,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `made` is a buffer of this thread. While `choice.squares` runs, the thread may start another
-            // task, which overwrites the buffer. So the buffer is copied first.
+            // Copied first: inside `choice.squares`, this thread may run another task, which overwrites its
+            // buffer `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

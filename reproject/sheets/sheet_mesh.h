@@ -59,12 +59,12 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A node of the quadtree of colours in one pixel of a surface. It is one of:
-/// - `none`: the surface is absent;
-/// - `maybe`: the surface may be present in this node, which is a quarter of a cell that the surface's edge
-///   crosses. The ray through the cell's corner in this quarter hit a farther surface;
-/// - a leaf: the index of its colour (Texel) with the bit `leaf` set;
-/// - otherwise the index of its first child. Order: up-left, up-right, down-left, down-right.
+/// Node of the colour quadtree of one pixel of a surface:
+/// - `none`: the surface is absent
+/// - `maybe`: uncertain, because an edge crosses the cell and the ray through its nearest corner hit a
+///   farther surface
+/// - with the bit `leaf`: index of its colour (Texel)
+/// - otherwise: index of its first child, in the order up-left, up-right, down-left, down-right
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -122,12 +122,11 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// For each pixel of each surface: index of the root of its colour quadtree. `coarse` is used where
-    /// surfaces are blurred: there, a pixel that the surface covers completely has only one colour.
+    /// For each pixel of each surface: root of its colour quadtree. In `coarse`, for blurred surfaces, fully
+    /// covered pixels have only one colour.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel of each surface: inverse depth in 1/m, as a linear function of the position relative to
-    /// the pixel's centre. For reflected and transmitted surfaces, four more functions follow, for the
-    /// entries of W (motion of images with the lens point).
+    /// For each pixel of each surface: `values` linear functions about the pixel's centre, for inverse depth
+    /// (1/m) and, if `values` is 5, for the entries of W.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
@@ -176,13 +175,12 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes surfaces that are not needed from `some`. The row of squares that begins at raster row y is
-    /// built in several parts; `some` is the one with number `part`, counted from the left. Called by several
-    /// threads. If this function is empty, all surfaces are kept.
+    /// Optional. Removes unneeded surfaces from `some`: part number `part`, from the left, of the row of
+    /// squares at raster row y. Called by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that the function `rows` excludes from reading. Appends the surfaces of
-    /// this row, which are known from an earlier reading, to `parts`, from left to right.
+    /// Appends to `parts`, from left to right, the surfaces of a row of squares that `rows` excludes from
+    /// reading.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -194,9 +192,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects the highlights of existing sheets again, by a new rule. `rule.above` must be the same as before,
-/// because only the radiance above this limit is stored separately. The result is bit-identical to the sheets
-/// that `tree_sheets` returns with the new rule.
+/// Selects the highlights again, by a new rule with the same limit `rule.above`. The result is bit-identical
+/// to tree_sheets with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens
