@@ -12,9 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether linear reprojection to the rim of the lens misplaces a surface sample by more than
-/// most_bend_px. This may happen in curved mirrors and in glass, where images do not move linearly with the
-/// lens point.
+/// Tests whether linear reprojection misplaces a surface sample by more than most_bend_px. The error is
+/// largest at the rim of the lens.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)

@@ -163,10 +163,9 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // Memory estimate: on average one LayerSplat per surface sample of the file, because most samples of
-        // a pixel are merged. LayerSplats may use 1/6 of the memory limit. Sorting and compositing need the
-        // rest.
         double sums = 0;  // of all strips so far
+        // Estimate: one LayerSplat per surface sample of the file, in 1/6 of the memory. Sorting and
+        // compositing need the rest.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [&](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
@@ -178,8 +177,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        }
                    });
     } else {
-        // Memory estimate: up to four Splats per surface sample of the file, because its light may be divided
-        // among four rounded subpixel positions. Splats may use 1/3 of the memory limit. Blur kernels and
+        // Estimate: up to four Splats per surface sample of the file, in 1/3 of the memory. Blur kernels and
         // colours need the rest.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},

@@ -127,8 +127,7 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// estimated from the differences between images from independent sets of lens points.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // The noise is estimated by comparing sets of images, each image seen from a single lens point. All sets
-    // together have at least this many images, because with fewer, the estimate could be too small by chance.
+    // With fewer lens points, the estimated noise could be too small by chance.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);
@@ -156,8 +155,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds an image channel with the standard error of each pixel. The error is multiplied by `effect`, the
-/// strength of the blur in each pixel, from 0 to 1. If `effect` is empty, the strength is 1.
+/// Adds an image channel with the standard error of each pixel, multiplied by `effect`, the strength of the
+/// blur from 0 to 1.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

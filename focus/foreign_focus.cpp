@@ -62,8 +62,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the range of pixel corners that surrounds all pixels with known content. Pixels of the display
-/// window that the file does not store are included: they are known to be empty space.
+/// Returns the range of corners around all pixels with known content, including the empty pixels that the
+/// file does not store.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -109,9 +109,6 @@ Guessed guessed(std::span<const Behind> behind) {
     return out;
 }
 
-/// Returns whether blur may reveal empty space behind a pixel whose samples transmit the fraction `open` of
-/// light. It may not if a surface was found behind them (`known`), or if they are treated as opaque
-/// (`fills`).
 bool ends_in_nothing(const Behind& behind, double open) {
     return !behind.known && !behind.fills && open > opaque_transmittance;
 }
@@ -241,11 +238,11 @@ class Spread {
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // The method `scatter` divides the colour of each pixel by the sum of the weights of its samples.
-            // If empty space had no weight, the blurred edges of objects would therefore be opaque.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
+                // `scatter` divides by the sum of weights. Without a weight for empty space, blurred edges of
+                // objects would be opaque.
                 splats.let_nothing_fill(nothing_);
             }
             const Guessed guessed = take_in(splats, value);
@@ -261,8 +258,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // The choice of the depth model does not matter, because models differ only in the depths of
-        // reflections and refractions. Images of other programs have no separate samples for these.
+        // Depth models differ only for reflections and refractions, which images of other programs do not
+        // store separately.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);

@@ -62,9 +62,8 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // Curved mirrors and glass add astigmatism to the blur (image.further_px_m). If such a blur is large,
-        // an ellipse replaces it. Its light is spread so thinly that the aberrations of the lens are
-        // invisible.
+        // Replaces a large astigmatic blur, from curved mirrors or glass, by an ellipse, because aberrations
+        // of the lens are invisible in it.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -74,13 +73,11 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the inverse depth of a sample, in 1/m. It is computed from the matrix `map_px`, which maps
-    // points of the unit disc (the lens) to positions on the image, in px:
+    // Returns a sample's inverse depth, in 1/m: the mean of the diagonal of W (motion over the lens), where
     //
     //     map_px = gain R (I / s - W)
     //
-    // Here, gain is the film distance in px, R the aperture radius, s the focus distance, and W the sample's
-    // 2x2 matrix of inverse depth. The result is the mean of the diagonal of W.
+    // with the film distance `gain` in px, aperture radius R and focus distance s.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -14,8 +14,9 @@ namespace {
 /// only if this blur would reach farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns how far the blur of surfaces outside the recorded area would reach into the image, in px, for each
-/// pixel along one side of the image. `radii` are the blur radii along this side of the recorded area.
+/// Estimates how far surfaces outside the recorded area would be blurred into the image, in px, for pixels
+/// along one side.
+/// - `radii`: blur radii at the border of the recorded area
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

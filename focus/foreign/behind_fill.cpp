@@ -33,9 +33,7 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether the sample `other` lies behind the sample `own`, on another surface. Their CoC radii must
-/// differ by at least least_step_px: those of their depths (Radii::own), or those that an effect has changed
-/// (Radii::blur).
+/// Returns whether `other` lies behind `own`. Samples with nearly equal CoC radii count as one surface.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -304,9 +302,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Steps from the pixel (x, y) in a direction, and returns the first surface that is farther than the
-    /// pixel's surface and that blur may reveal. If there is none, the distance in the result is 0. `own` are
-    /// the CoC radii of the pixel's surface.
+    /// Returns the first surface, in a direction from the pixel (x, y), that is farther than `own` and that
+    /// blur may reveal.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -335,9 +332,8 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces that belong to one object, the one with the largest sum of weights. Returns
-    /// their number. Otherwise, a small light source beside an edge would brighten the estimated colour of
-    /// everything behind the edge.
+    /// Keeps only surfaces of the most visible object. Otherwise, a small light source at an edge could
+    /// brighten everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -445,7 +441,6 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Only pixels inside the image can count as empty space, because what lies beyond its border is unknown.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());

@@ -28,15 +28,14 @@ class BorderExtension {
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the image border that is repeated beyond it, over `length_px` pixels, to estimate the
-    /// surface there. Its colour and alpha are means over the same distance inside the image.
+    /// A sample at the image border, repeated over `length_px` pixels beyond the border. The colour is the
+    /// mean of as many pixels inside.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// For each pixel along one side of the image, its samples, nearest first. The list is empty if the
-    /// display window is larger than the stored pixels on this side. Empty space then follows, so no surface
-    /// continues beyond the border.
+    /// The samples of each pixel along one side of the image. Empty if the file shows that empty space
+    /// follows beyond the side.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

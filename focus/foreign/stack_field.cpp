@@ -42,8 +42,7 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel, whether empty space lies behind all its samples: 1 for empty space, 0 if the file
-/// does not show what lies there.
+/// Returns, for each pixel, 1 if empty space lies behind all samples of the pixel, otherwise 0.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -241,8 +240,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points from which no opaque sample of the image is visible. They
-        // see nothing, or only surfaces that were extended beyond the image border.
+        // Counts, for each pixel, the lens points that see nothing opaque, or only estimated surfaces beyond
+        // the image border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

@@ -43,9 +43,8 @@ struct StackField {
     /// For each pixel, the fraction of lens points that see something that the image does not show, beyond
     /// its border or behind its samples. Lens points that see empty space do not count.
     std::vector<float> unseen;
-    /// Mean alpha of each pixel over the lens points that vignetting does not block. The alpha of holdout
-    /// objects is included. If empty space lies behind the pixel, the value is at least 1, so that
-    /// divide_by_covered does not make the pixel opaque.
+    /// Divisor of each pixel in divide_by_covered: mean alpha over unvignetted lens points, including holdout
+    /// objects. At least 1 where empty space must stay transparent.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -62,9 +61,8 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides the colours and alpha of each pixel by its mean alpha over the lens points (StackField::covered).
-/// Otherwise, lens points that see past the image border would darken the pixel. Pixels with `covered` = 0 do
-/// not change.
+/// Divides colours and alpha by StackField::covered. Otherwise, pixels near the image border would be too
+/// dark, because some lens points see nothing beyond the border.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

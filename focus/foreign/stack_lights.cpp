@@ -35,17 +35,15 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // Of the sample's light, the fraction `seen` reaches the pinhole. The fraction `hidden` is blocked by
-    // other surfaces in front.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // Computes `covered`, the part of the sample's hidden light that no lens point sees. The surfaces that
-    // hide it lie at a similar depth, so they shift together with the sample when the lens point moves.
+    // `covered`: light that no lens point sees, because the surface in front has nearly the same parallax
+    // over the lens.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // A surface in front never shifts together with empty space, because empty space looks the same from
-        // every lens point. So `apart`, from 0 (together) to 1, is 1 for empty space.
+        // `apart`: 0 if both surfaces have the same parallax over the lens, 1 if they move independently.
+        // Empty space always counts as independent.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

@@ -15,16 +15,11 @@ namespace postlens {
 /// The value of a sample that is blurred: its colour, or its alpha in all three channels.
 enum class StackValue { colour, alpha };
 
-/// Converts the samples of pixels to light that can be blurred, one pixel at a time. If nearer samples have
-/// the transmittance T, the fraction T of a sample's light reaches the pinhole. The fraction 1 - T is hidden
-/// from it.
-///
-/// Samples with similar signed CoC radii form one surface. For this, radii are rounded to whole pixels or,
-/// above 16 px, to steps of 1/16 of the radius.
+/// Converts the samples of a pixel to two kinds of light: visible to the pinhole, or hidden by nearer
+/// samples. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// If `with_nothing` is set, empty space is converted like a black surface that is in focus, and thus not
-    /// blurred.
+    /// - `with_nothing`: whether to treat empty space as a sharp black surface
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 

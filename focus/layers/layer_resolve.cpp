@@ -8,8 +8,8 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If a mirror image has less weight than this at a pixel, it has too few samples there (weight 1 fills the
-/// pixel). It is then mixed with a substitute: the same light, but blurred with the kernels of the mirror.
+/// A mirror image that covers less than this fraction of a pixel has too few samples. It is mixed with a
+/// substitute.
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
@@ -28,21 +28,19 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds light that a mirror reflects or glass transmits (`rgb`) to the mirror's or glass's own light at a
-/// pixel. mask.alpha is the blurred fraction of the pixel in which this light is visible.
+/// Adds the reflected or transmitted light `rgb` to a mirror or glass, multiplied by mask.alpha, the coverage
+/// of the pixel.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
-    // Assumption: the reflected or transmitted light is distributed over the lens like the surface's own
-    // light.
+    // Assumes that the added light is distributed over the lens like the alpha of the mirror or glass.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
-/// Adds a mirror image, or what is seen through glass (`chain`), to the light of the mirror or glass at a
-/// pixel (`fragment`). The image is added only where masks allow it: the blurred areas of the mirror or glass
-/// `shown`.
+/// Adds reflected or transmitted light (`chain`) to a pixel, only in the blurred area (mask) of the mirror or
+/// glass `shown`.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -62,8 +60,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Collects the surfaces that one mirror or glass shows at a pixel, and returns the sum of their blur
-/// weights. To each surface, it adds what the surface itself reflects or transmits (`longer`).
+/// Collects the surfaces that a mirror or glass shows, and adds further reflections (`longer`) to them.
+/// Returns the sum of the weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -127,8 +125,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Starts with the longest sequences of reflections, because their light is added to that of the shorter
-    // sequences that they continue.
+    // Longer sequences of reflections come first, because the shorter ones need their light.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

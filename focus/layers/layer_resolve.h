@@ -25,11 +25,10 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes a surface's light at a pixel, including mirror images and what is seen through it. Returns
-/// nothing if the blurred surface does not reach the pixel. `terms` must be sorted by LayerPart.
+/// Computes a surface's light at a pixel, with reflections and transmissions. Returns nothing if the blur
+/// does not reach the pixel. `terms` must be sorted by LayerPart.
 ///
-/// A mirror image is visible only in a mask: the area of the mirror, with the blur of the mirror. Without the
-/// mask, the mirror's outline would have the blur of the image in it.
+/// A mirror image is multiplied by a mask: the area of the mirror, blurred like the mirror itself.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -10,8 +10,7 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel or a whole pixel.
-/// To get this rounding for smaller radii, these values are passed instead.
+/// Blur radii, in px, passed to NodeResponses::phases to round positions to a quarter pixel or a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -80,13 +79,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample to the row. `hash` is computed from the shape of its blur kernel. The kernel's index cannot
-// be used, because threads create kernels in varying order.
+// Adds a sample, or merges it with an equal one. `hash` identifies the blur kernel independently of thread
+// timing.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Merges samples of a pixel that have the same surface and blur kernel (`key`), with a small hash
-        // table (Fibonacci hashing). If another key occupies the table's slot, the sample is not merged.
+        // Merges samples of a pixel with the same surface and blur kernel. Samples that collide in the hash
+        // table stay separate.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -137,8 +136,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// Returns the near side of a glass object for its far side. The far side has no visible outline of its own.
-// Refraction may also make its blur kernel far too large, so the kernel of the near side is used.
+// Replaces the far side of a glass object by the near side, because refraction can make the far side's blur
+// far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -196,8 +195,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // Finds `from`, the mirror or glass that shows this surface point: the nearest recorded surface
-        // before the point in its sequence of reflections.
+        // `from`: the mirror or glass that shows this surface. Reflections that were not recorded are
+        // skipped.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -210,10 +209,10 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces in a mirror or behind glass that other lens points see, but the pinhole does not.
-// - `nodes`: samples of these surfaces
+// Adds surfaces in a mirror or behind glass that only other lens points see, not the pinhole.
+// - `nodes`: samples of the hidden surfaces
 // - `primary`: blur of the mirror or glass
-// - `surface`: key of the mirror or glass
+// - `surface`: the mirror or glass
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -53,11 +53,8 @@ class LayerSplats::RowBuilder {
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the surface point whose blur kernel is used for the mask (visible area) of what is seen in or
-    /// through `from`. For the back of a glass object, this is its front, otherwise `from` itself.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds a mask: the area of the mirror or glass `from` in which it shows the surface point `met`. The
-    /// mask is blurred with the kernel of the mirror or glass, so that its outline gets the right blur.
+    /// Adds a sample to a mask, the area in which the mirror or glass `from` shows the surface `met`.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -222,8 +222,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // For this group of image rows, only some rows of the file are read again. Other rows of the file matter
-    // only if they have samples with a large blur, which were kept when the rows were first read.
+    // Samples with a large blur were kept in memory, so only file rows near this strip of the image are read
+    // again.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         UnsortedRow row;
         std::map<LayerPart, std::uint32_t> number;

@@ -32,8 +32,8 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies samples that are blurred and summed together. They belong to one surface, or to one reflection
-/// or refraction that the surface shows. Sorted by surface, then by path.
+/// Identifies samples that are blurred and summed together: one surface, or one reflection or refraction in a
+/// surface.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -44,9 +44,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen by reflection or transmission. For a mask (area in which a mirror or glass
-    /// shows an image), it is the mirror or glass instead. It is empty if the mirror or glass is seen
-    /// directly.
+    /// The surface at the end of `path`, or for a mask, the mirror or glass before it. Empty stands for
+    /// `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -60,16 +59,15 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Factor that converts positions to lens points. Light at the vector d, in px, from the kernel's centre
-    /// (x, y) passed, on average, through the lens point d * lens_per_px, in lens radii.
+    /// Factor from the position of light, in px from the kernel's centre, to the mean lens point of the
+    /// light, in lens radii.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees. It is hidden by a surface at almost the same depth,
-    /// which shifts together with the sample when the lens point moves.
+    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same parallax
+    /// over the lens.
     float covered = 0;
 };
 
-/// Samples of one surface in one row of a square of 64 x 64 px. They are the elements [begin, end) of the
-/// list of samples in this row.
+/// Samples of one surface in one pixel row of a 64 x 64 px square: the elements [begin, end) of a list.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -112,8 +110,8 @@ class LayerSplats {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds the samples at the pixel corners of several rows. If `rows` already contains their eye rays
-    /// (point samples), these are not computed again.
+    /// Adds the samples at the pixel corners of several rows. Eye rays (point samples) that `rows` already
+    /// contains are not computed again.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
     /// add_pixels. `known` is the range of pixel corners around all pixels with known content.
@@ -127,9 +125,8 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Prepares for computing the image in strips (groups of rows), to save memory. Call it before adding all
-    /// rows for the first time, which finds the surfaces and blur kernels. For each strip, begin_strip then
-    /// returns the rows to add again.
+    /// Call it first to compute the image in strips (groups of rows). After finish(), add the rows again that
+    /// begin_strip returns.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -154,8 +151,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Returns the position of samples relative to pixel corners, in px along x and y. It is 0.5 in images of
-    /// other programs, whose samples lie at pixel centres. It is 0 for sample files.
+    /// Returns the position of samples relative to pixel corners, in px along both axes: 0, or 0.5 for images
+    /// of other programs.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the colours in the file, to which the result is clamped.
@@ -180,7 +177,6 @@ class LayerSplats {
         double largest_radius_px = 0;
         RadianceRange colours;
     };
-    /// The samples of one row of pixels, in the order in which they were added.
     struct UnsortedRow {
         std::vector<LayerPart> parts;
         std::vector<std::uint32_t> part;  ///< per sample, index into `parts`

@@ -19,8 +19,7 @@ typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias)
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The eight values of a sample that are blurred: red, green, blue, weight, depth, weight that no lens point
-/// sees, and two more. These two are red + green + blue and the weight, times LayerSplat::lens_per_px.
+/// The eight values of a sample that are blurred, in the order of LayerSums::sums_.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -107,7 +106,7 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
 template <typename Values, int taps_end>
 __attribute__((always_inline)) inline void convolve_few(const Values* values, const double* taps, int count,
                                                         double* pixels) {
-    // The copy shows the compiler that writing pixels does not change the taps.
+    // A local copy, so that the compiler knows that writing to `pixels` does not change the kernel values.
     std::array<double, taps_end> tap;
     std::copy_n(taps, taps_end, tap.begin());
     for (int i = 0; i < count; ++i) {
@@ -117,9 +116,10 @@ __attribute__((always_inline)) inline void convolve_few(const Values* values, co
     }
 }
 
-/// Adds the convolution of a row of samples (`values`) with a kernel row (`taps`) to the pixels [begin, end).
-/// The product of values[0] and taps[0] belongs to the pixel `first`. `padding` zeros must surround `values`
-/// in memory.
+/// Convolves samples (`values`) with a kernel row (`taps`), and adds the result to a row of pixels.
+/// - `values`: with `padding` zeros before and after them in memory
+/// - `first`: pixel of the product values[0] * taps[0]
+/// - `begin`, `end`: range of the pixels in `row`
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, int begin,
@@ -144,9 +144,8 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes the differences between neighbouring values at the left or right edge of a kernel row. They are
-/// edge[0] - before, edge[1] - edge[0], ..., after - edge[count - 1]. `before` and `after` are the constant
-/// values on both sides of the edge.
+/// Stores in `taps` the differences between neighbours in the sequence `before`, edge[0], edge[1], ...,
+/// `after`.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -159,10 +158,9 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 }
 
 /// Blurs adjacent samples that share a kernel, and adds them to one row of pixels.
-/// - `x`, `y`: position of the first sample in the block of pixels
-/// - `sums`: the values of the pixels
-/// - `changes`: the same values as differences from the pixel on the left; used if the kernel row has a
-///   uniform interior
+/// - `x`: column of the first sample in the block of pixels
+/// - `sums`: values of the pixels
+/// - `changes`: differences between neighbouring pixels, used if the kernel row has a constant middle part
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, int width, double* sums,

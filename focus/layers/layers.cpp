@@ -27,8 +27,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // `open` is the fraction of the lens that sends light to this pixel. Vignetting blocks the rest, and so
-    // reduces the weight of a surface that fills the pixel to `open`. The division restores the weight 1.
+    // Vignetting leaves only the fraction `open` of each weight. Dividing by `open` restores the weight 1 of
+    // a full pixel.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -83,8 +83,8 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// Groups of samples whose blur reaches a block of pixels: the range [begin, end) of Block::cells. They
-/// belong to one surface, or to one mirror image that the surface shows.
+/// The range [begin, end) of Block::cells (groups of samples) that belongs to one surface, or to one mirror
+/// image.
 struct PartCells {
     const LayerPart* part;
     std::size_t begin, end;
@@ -287,7 +287,7 @@ double layer_sums(const LayerSplats& splats) {
 
 namespace {
 
-/// For each pixel, the blurred light of one surface or mirror image. The member LayerTerm::part is not used.
+/// For each pixel, the blurred light of one surface or mirror image.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

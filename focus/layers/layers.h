@@ -10,9 +10,8 @@ namespace postlens {
 /// Height of the blocks in which images are computed, in px.
 inline constexpr int layers_block_px = 64;
 
-/// Computes the blurred image in parallel. `image` gets the size of the window splats.picture(). If `wanted`
-/// is set, only blocks of pixels that overlap this rectangle are computed. The result is bit-identical for
-/// any number of threads.
+/// Computes the blurred image, or only the blocks of pixels that overlap `wanted`. The result is
+/// bit-identical for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// Estimates the computing time of layers(), without a unit. It is the number of pixels that the blur of a

@@ -24,14 +24,13 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of a surface's light that passes the surfaces in front, from 0 to 1. This object
-    /// is the transmittance of the surfaces in front.
-    /// - `sum`: amount of light
-    /// - `moment`: light times the lens point (in lens radii) through which it passes, summed over the lens
+    /// Returns the transmitted fraction of a surface's light, where this object is the transmittance of the
+    /// surfaces in front.
+    /// - `sum`: light of the surface
+    /// - `moment`: light times lens point, in lens radii, summed over the lens
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // Light and transmittance are both assumed to be linear functions of the lens point, as in OverLens.
-        // The mean of their product is the product of their means, plus 4 times the dot product of their
-        // tilts. The factor is 16 times 1/4, the mean of x^2 over the unit disc.
+        // Light and transmittance are linear over the lens (see OverLens). The mean of their product is the
+        // product of the means, plus 4 times the dot product of the tilts.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -79,37 +78,32 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// The part of a surface's light that passes the surfaces in front. Colour and alpha are attenuated
-/// separately, because they may be concentrated on different sides of the lens.
+/// A surface's light, attenuated by the surfaces in front. Colour and alpha are attenuated separately,
+/// because they may vary differently over the lens.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
     LensMoment lens;  ///< lens moment of alpha
 
-    /// Adds `light`, multiplied by `times` and attenuated by the surfaces in front. `open` is the
-    /// transmittance of these surfaces, as a function of the lens point.
     void add(const SurfaceLight& light, double times, const OverLens& open) {
         if (!(times > 0)) return;
         const double shown = times * open.passing(light.rgb[0] + light.rgb[1] + light.rgb[2], light.lens.rgb);
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Adds the mean over the lens of alpha times transmittance times lens point. Alpha and transmittance
-        // are linear functions of the lens point. So the result has two terms: the mean of each function
-        // times the tilt of the other.
+        // Adds alpha times transmittance times lens point, averaged over the lens. Alpha and transmittance
+        // are linear, so two terms remain.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by those surfaces in front that shift together with a given surface when the lens
-/// point moves. Surfaces shift together if their signed CoC radii are similar. `radius_px` is the radius of
-/// the given surface.
+/// Returns the coverage by the surfaces in front with the same parallax as a surface of signed CoC radius
+/// `radius_px`.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
-    // Starts with the surface directly in front and continues towards the lens. The search ends at the first
-    // surface that shifts independently of the given surface, because all nearer ones differ even more in
-    // depth.
+    // Continues from back to front until the parallax is independent, because nearer surfaces differ even
+    // more in depth.
     for (std::size_t i = laid.size(); i-- > 0;) {
         const double apart = independence(radius_px, laid[i].radius_px);
         if (apart >= 1) break;
@@ -136,22 +130,20 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // The pinhole sees the light `f.seen` of this surface. Surfaces in front that shift together with it
-        // do not hide this light from other lens points either. So their coverage is added back to the
-        // transmittance.
+        // Light that the pinhole sees is not hidden by surfaces in front with the same parallax, so their
+        // coverage is added back.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface covers at most the part of the lens that is still uncovered (free.mean). It covers at
-        // least its own alpha (`whole`) minus what surfaces in front hide (1 - free.mean, or f.covered if
-        // that is larger).
+        // `least`: smallest possible coverage of the surface, that is, its alpha minus the most that surfaces
+        // in front can hide.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the lower limit `least` exceeds the alpha of the visible light, hidden light of the surface is
-        // added. Scaling up the visible light instead could make a pixel arbitrarily bright.
+        // Missing alpha is filled up with hidden light. Scaling up the visible light instead could make a
+        // pixel arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -161,10 +153,9 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits `free.tilt`, which shows on which side of the lens the uncovered part lies. If this part has
-        // the area A, as a fraction of the lens, the length of the tilt is at most A (1 - A).
-        const double most = free.mean * (1 - free.mean),
-                     is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
+        // Limits the tilt of the transmittance. With values from 0 to 1 and the mean A, the tilt is at most A
+        // (1 - A).
+        const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }
     if (!(total > 0)) return {};

@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Shows on which side of the lens a surface's light is concentrated. The three colour channels share the
-/// moment `rgb`, because brightness varies more over the lens than hue.
+/// Shows on which side of the lens a surface's light is concentrated. All colours share one moment, because
+/// hue varies little over the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
@@ -50,12 +50,11 @@ struct Fragment {
 ///     min(1, |r1 - r2| / (max(|r1|, |r2|) + 1))
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// Composites the surfaces of a pixel with "over" [porter1984], and divides by their total coverage. Sorts
-/// them by depth. All must have positive alpha. Without surfaces the result is black.
+/// Sorts the surfaces of a pixel by depth, composites them with "over" [porter1984], and divides by the total
+/// coverage. All must have positive alpha.
 ///
-/// A blurred edge that covers one side of the lens attenuates only light through that side. Surfaces with
-/// similar circles of confusion shift together when the lens point moves (see independence). So if the
-/// pinhole sees a part of such a surface, no other such surface hides this part from any lens point.
+/// Light through each side of the lens is attenuated separately. Surfaces in front with the same parallax do
+/// not hide light that the pinhole sees (see independence).
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -36,9 +36,8 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If set, pixels in which all lens points see one surface at rest are not drawn, because the method
-    /// `scatter` is exact for them. They are left out only if they make up at least this fraction of the
-    /// image.
+    /// If set, pixels that show one static surface to all lens points are omitted, provided that they make up
+    /// at least this fraction.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are

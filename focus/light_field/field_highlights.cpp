@@ -17,20 +17,18 @@ namespace {
 /// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
 /// images from single lens points would show them as separate dots.
 constexpr double spread_from_px = 2;
-/// If the blur radius of a highlight is smaller than this, in px, the whole lens sends its light to a single
-/// pixel. Lens points all over the lens, not only those near one point, are then tested for whether they see
-/// it.
+/// Below this blur radius, in px, light from the whole lens falls into one pixel, so visibility is tested all
+/// over the lens.
 constexpr double seen_by_all_px = 0.5;
-/// Limits for sharp highlights, whose blur radius is below spread_from_px. They are spread by blur kernels
-/// only if their total area on one surface, within 16 x 16 px, is less than this, in px^2:
-/// - sharp_px2, if nothing hides a part of them
-/// - small_px2, if they are partly hidden, and seen in a mirror or through glass
+/// Largest total area, in px^2, of sharp highlights on one surface within 16 x 16 px that are spread by blur
+/// kernels:
+/// - sharp_px2: nothing hides them
+/// - small_px2: partly hidden, and seen in a mirror or through glass
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// Highlights are merged in squares of edge merged_px, which are halved at most this often, to 1/8 px. Each
-/// highlight then lies within 1/16 px of the centre of its square, and kernel positions are rounded to 1/16
-/// px anyway (KernelKey::phase_steps).
+/// merged_px (1/2 px) is halved at most this often, to 1/8 px. Kernel positions are rounded to 1/16 px
+/// anyway.
 constexpr int most_halvings = 2;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
@@ -59,19 +57,19 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns how far a highlight's blur shifts, in px, because its surface is inclined. From one side of the
-/// lens, the surface appears larger, so more light passes through that side.
+/// Returns the shift of a highlight's blur, in px: an inclined surface sends more light through the side of
+/// the lens that it faces.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Highlights that do not move are merged into one light source if they lie within the same square of edge
-/// merged_px. Returns how often this edge must be halved, so that merging causes no visible error.
+/// Returns how often merged_px, the edge of the squares in which highlights are merged, must be halved to
+/// make merging invisible.
 ///
-/// A square of edge a, in px, and radiance L is blurred over an area A. It adds the radiance L a^2 / A to
-/// each pixel of this area. At the rim of the area, merging may remove the fraction a / 8 of this radiance.
+/// A square of edge a and radiance L, blurred over an area A, adds L a^2 / A to each pixel. Merging may
+/// change pixels by the fraction a / 8.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -112,13 +110,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Partly hidden highlights in a mirror or behind glass are reprojected if they are sharp, because
-        // blur kernels ignore what hides them. Very small ones are spread by blur kernels anyway, because few
-        // of the reprojected images would show them.
+        // Blur kernels ignore occluders of highlights in mirrors or glass, so sharp highlights are
+        // reprojected. Reprojection would miss very small highlights.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // Partly hidden highlights that are seen directly are spread by blur kernels only if they are
-        // blurred, and smaller than their blur. Nearer surfaces hide each part of a larger highlight
-        // differently, so it is reprojected.
+        // If a highlight is larger than its blur, occluders hide each part of the highlight differently, so
+        // blur kernels are too inaccurate.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -242,15 +238,12 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the blur is smaller than a pixel, the whole lens sends the highlight's light to one pixel. Lens
-    // points all over the lens, not only those near one point, are then tested for whether they see the
-    // highlight.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // Divides a sharp moving highlight at the borders of pixels, into one light source per pixel. Its blur is
-    // smaller than a pixel, so a single light source would put all its light into one pixel.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
+    // Divides sharp moving highlights at pixel borders, because one light source would put all their light
+    // into one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
         for (const Span& x : divided_at_pixels(middle.x, side)) {
@@ -275,9 +268,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     }
 }
 
-// Groups the highlights of one surface that lie within a square of edge group_px. Which part of their blur
-// nearer surfaces hide is computed only once per group. Between highlights of a group, the outline of this
-// part shifts by less than group_px.
+// Groups nearby highlights of one surface, so that occlusion by nearer surfaces is computed only once per
+// group.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

@@ -22,12 +22,10 @@ namespace postlens {
 /// The rule selects none if the kernel varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// Highlights that were removed from the recorded surfaces, to be spread by blur kernels. A pixel receives a
-/// highlight's light through each lens point that sees the highlight.
+/// Highlights that were removed from the recorded surfaces, to be spread by blur kernels.
 ///
-/// In each tile (square of the image), visibility is computed exactly for the brightest highlights that do
-/// not move and are seen directly. For all others, it is taken from images that were drawn from single lens
-/// points: those nearest to the point where the light passes the lens.
+/// For the brightest static highlights that are seen directly, occlusion is computed exactly. For others, it
+/// is looked up in images drawn from single lens points.
 class FieldHighlights {
   public:
     /// Prepares the highlights of recorded surfaces to be spread by blur kernels.
@@ -38,17 +36,15 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns an object that adds the light of the highlights to the mean of images from the lens points
-    /// `views`. It keeps a reference to this FieldHighlights.
-    /// - `set`: number of this set of lens points, also used as random seed
-    /// - `instants`: for each lens point, its instant as a fraction of the exposure; may be empty if nothing
-    ///   moves
+    /// Returns an object that adds the highlights to the mean of images from the lens points `views`. The
+    /// returned object keeps a reference to this one.
+    /// - `set`: index of the set of lens points, used as random seed
+    /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays to be traced. Each ray starts in the pixel (x, y), passes through the lens and
-    /// hits a highlight whose blur reaches the pixel. For sharp moving highlights, the rays have random
-    /// positions in the pixel and may miss.
+    /// Chooses random rays from the pixel (x, y) through the lens to highlights. Rays to sharp moving
+    /// highlights may miss them.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The

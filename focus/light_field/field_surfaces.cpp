@@ -54,8 +54,7 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // Builds the surfaces of a part of the file, to measure their memory: an eighth of its rows, in groups of
-    // 16 rows, but at most six groups.
+    // Estimates the memory of all surfaces from at most six groups of 16 rows, spread over the file.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;

@@ -48,9 +48,8 @@ inline constexpr double most_surface_bytes_of_record = 400;
 class FieldStrips {
   public:
     /// Prepares to read the surfaces of `file`. Keeps references to its arguments.
-    /// - `views`: the settings and lens points of the image; surfaces in it are ignored
-    /// - `lens_box_px`: largest |x| and |y| of a lens point (in m), times film distance / pixel pitch, in px
-    ///   m
+    /// - `views`: settings and lens points of the image
+    /// - `lens_box_px`: largest |x| and |y| of a lens point, in m, times the film distance in px
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);

@@ -21,9 +21,8 @@ namespace {
 /// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// Limits the time of the exact tests that find the hidden highlights in a tile (square of the image). The
-/// tests may take as long as drawing the tile from least_drawn lens points, or from all lens points of the
-/// image if there are more.
+/// The exact occlusion tests of a tile may take as long as drawing the tile from at least this many lens
+/// points.
 constexpr std::size_t least_drawn = 64;
 /// One visibility test of a group of highlights is estimated to take at least this time. The unit is the time
 /// for drawing a whole tile (square of the image) from one lens point.
@@ -32,9 +31,8 @@ constexpr double least_cost = 0.1;
 /// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Four points that represent all highlights of a group when computing which nearer surfaces hide them. Each
-/// is an offset from the group's centre, in standard deviations of the highlights' positions. Along each
-/// axis, the offsets have mean 0 and variance 1.
+/// Four points that stand for all highlights of a group. They are offsets from the group's centre, in
+/// standard deviations, with variance 1 per axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
 /// A nearer surface casts one shadow onto the image for each highlight of a group. If the standard deviation
@@ -72,10 +70,9 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The lens points whose images decide whether a highlight is visible.
-    /// - `nearest`: the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the
-    ///   lens
-    /// - `all`: lens points all over the lens, for sharp highlights
+    /// Lens points whose images show whether a highlight is visible.
+    /// - `nearest`: three for each cell of a grid of `edge` x `edge` cells over the lens
+    /// - `all`: all over the lens, for sharp highlights
     struct Asked {
         int edge = 0;
         Nearest nearest;
@@ -107,10 +104,9 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` equal intervals. Each interval has its own list of nearest lens
-    /// points, for moving highlights. Differences in time count as distances: the whole exposure is as long
-    /// as `lens_radii_of_open` lens radii.
+    /// The exposure is divided into this many intervals, each with its own list of nearest lens points.
     static constexpr int spans = 16;
+    /// The whole exposure counts as this distance, in lens radii, when the nearest lens points are found.
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -237,10 +233,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Offset of the positions in the pixel at which visibility is tested. It differs between groups of
-    // highlights, because otherwise all groups could miss the same small surface. It also differs between
-    // sets of lens points, so that their errors are independent.
     constexpr int next_row = 89;
+    // Offset of the tested positions in the pixel. It differs between groups of highlights and sets of lens
+    // points, so that errors are independent.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);

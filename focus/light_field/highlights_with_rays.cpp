@@ -56,9 +56,8 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the file contains all light of a highlight that any lens point sees. For a highlight in a
-/// mirror or behind glass, nothing may hide it, and the error of its reprojected position must be at most
-/// most_bend_px.
+/// Returns whether the file contains all light of a highlight that any lens point sees. In mirrors and glass,
+/// the conditions are stricter.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;

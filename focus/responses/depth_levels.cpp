@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Depth levels with equal steps of z' are spaced so that the CoC diameters of neighbouring levels differ by
-/// at most this, in px. A smaller difference would need too many levels (most_linear_levels).
+/// Largest difference of CoC diameter between neighbouring depth levels, in px, if the levels are equally
+/// spaced in depth z'.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {

@@ -60,8 +60,8 @@ class DepthLevels {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Returns whether the depth levels are those of LevelTable, which include every depth and become denser
-    /// towards the focus. Otherwise, the levels have equal steps between the nearest and the farthest depth.
+    /// Returns whether the depth levels become denser towards the focus (LevelTable), instead of being
+    /// equally spaced.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
     /// Computes level_of for several inverse depths. `level` must have room for all results. Call it only if
     /// around_focus() is true.
@@ -70,8 +70,7 @@ class DepthLevels {
     }
     /// CoC radius of each depth level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// Returns the number of depth levels without the level at infinity. Returns nothing if the levels are
-    /// those of LevelTable.
+    /// Returns the number of finite depth levels, or nothing if the levels are not equally spaced.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

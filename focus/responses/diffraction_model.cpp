@@ -11,8 +11,7 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// Diffraction spreads light beyond the geometric CoC. A kernel ends at most this far outside the CoC, in px,
-/// even if it then leaves out more than the fraction `tail` of the light.
+/// Diffraction kernels end at most this far outside the CoC, in px, even if more light than `tail` is lost.
 constexpr double widest_skirt_px = 256;
 /// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
 /// then finer than a pixel.

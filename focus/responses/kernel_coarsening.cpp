@@ -81,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Kernels whose keys become equal in one rounding step nearly always stay equal in the next steps, so
-        // only one of them takes part in these. Sorting makes the choice independent of thread timing.
+        // Kernels with equal keys usually stay equal when rounded more coarsely, so only one is kept. Sorting
+        // makes the choice deterministic.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -101,8 +101,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Returns the relative rounding error of the blur radii in one octave (range from a radius to twice this
-    // radius). The step of the rounding was doubled `times` times, and the error with it.
+    // Returns the relative rounding error of blur radii in an octave (factor of two), after doubling the
+    // rounding step `times` times.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -9,19 +9,18 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between neighbouring CoC diameters of the table, in px, from small_px to even_px. A diameter is
-/// rounded to the nearest of them, so it changes by at most half a step: less than a quarter of a pixel.
+/// Step between neighbouring CoC diameters of medium size (small_px to even_px), in px. Rounding changes a
+/// diameter by less than a quarter pixel.
 constexpr double step_diameter_px = 0.49;
 /// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, at least 1/8 px. A larger
 /// step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// A sample with a smaller CoC diameter than this, in px, is not blurred. Its blur would be hardly visible,
-/// because the traced image is about as soft between quadtree cells of different sizes.
+/// CoC diameters below this, in px, are not blurred, because such a small blur would be hardly visible.
 constexpr double sharp_below_px = 0.4;
-/// From the CoC diameter even_px on, each depth level has a diameter 1/500 larger than the level before. So
-/// the diameter grows by the factor e over this many levels.
+/// Above the CoC diameter even_px, the diameters of neighbouring depth levels differ by the factor
+/// exp(1/levels_per_e).
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,

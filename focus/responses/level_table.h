@@ -42,13 +42,13 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Size of the lookup table from CoC diameters to depth levels. Each depth level covers a range of
-    /// diameters. The table's cells are so narrow that at most one such range begins in each cell.
+    /// Size of the lookup table from CoC diameters to depth levels. At most one depth level begins in each
+    /// cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the lookup table from CoC diameters to depth levels:
-    /// - begin_px_: diameter within the cell at which the next level begins
-    /// - before_: level of the smaller diameters in the cell
-    /// - step_: how much larger the next level's number is; 0 if the whole cell has one level
+    /// For each cell of the lookup table:
+    /// - begin_px_: CoC diameter at which a new depth level begins
+    /// - before_: depth level below begin_px_
+    /// - step_: difference of the new depth level from before_; 0 without a new level
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Blur radius, in px, for which phases_of rounds positions to a quarter pixel instead of 1/16 px. If kernels
-/// are expensive to compute, phases_of gets this radius even for smaller kernels, so that fewer are needed.
+/// Blur radius, in px, for which positions are rounded to a quarter pixel. Also used for smaller kernels that
+/// are expensive to compute.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -36,17 +36,16 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// For an aperture that is not round, sets the radius of the blur kernel. If the blur varies over the image,
-// each square of the image has its own kernel, so this function also sets the square that contains
-// `place_px`.
+// Sets the blur radius of an aperture that is not round, and the square of the image that uses the same blur
+// kernel.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The blur kernel is computed for a rounded depth, from which `map_px` follows. The transmittance must be
-    // computed for the same depth, because light would be lost if kernel and transmittance did not match.
+    // Recovers the rounded depth of the blur kernel from `map_px`. With the exact depth, the transmittance
+    // would not match the kernel.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -63,13 +63,9 @@ class NodeResponses {
     /// determines the depth at which it is blurred.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the fraction of a sample's light that the lens transmits. The sample's colour and weight are
-    /// multiplied by it. Without vignetting, all samples share one kernel over the whole image, and the
-    /// fraction is 1.
+    /// Returns the fraction of a sample's light that the lens transmits: 1 without vignetting.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Returns the fraction of the lens that transmits light to a pixel of the image (vignetting). The
-    /// division by the sum of weights removes the vignetting from a pixel, so its colour must be multiplied
-    /// by the fraction.
+    /// Returns the fraction of the lens that vignetting leaves open at a pixel.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

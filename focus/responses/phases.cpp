@@ -9,13 +9,11 @@
 namespace postlens {
 namespace {
 
-/// A sample on the border between pixels has one part in each of these pixels. If its CoC radius is smaller
-/// than this, in px, each part is blurred at a position inside its pixel. Otherwise the sample is blurred as
-/// a whole.
+/// From this CoC radius on, in px, a sample at a pixel border is blurred as one disc, instead of one part per
+/// pixel.
 constexpr double one_disc_from_px = 2;
 
-/// Blur kernels are only computed for some subpixel positions. Returns how many there are per pixel, along
-/// each axis, for kernels of this radius. A sample between two of them is divided between them.
+/// Returns the number of subpixel positions, along each axis, for which kernels of this radius are computed.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
@@ -80,9 +78,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // The sample at a corner represents the nearest quarter of each quadtree cell around it. In each
-        // cell, its light moves to the centre of this quarter, which is a quarter of the cell's width away
-        // along each axis.
+        // A sample at a corner represents one quadrant of each adjacent cell, so its light moves to the
+        // quadrant's centre.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -16,8 +16,7 @@ struct Phase {
     float weight;
 };
 
-/// The subpixel positions, at most four, at which a sample's blur kernel is added to the image. There may be
-/// several, because kernels are computed only for some positions and a sample may lie between them.
+/// The subpixel positions, at most four, at which a sample's blur kernel is added to the image.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;

@@ -46,9 +46,7 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // If the blur is smaller than a pixel, its shape is invisible, so a disc replaces it. If the disc's
-        // centre is a pixel corner, each of the four pixels gets a quarter of the light, as in the pinhole
-        // image.
+        // The shape of a blur smaller than a pixel is invisible, so a disc replaces it.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
@@ -74,8 +72,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // `map_px` is G R (I / s - W), with film distance G in px, aperture radius R, focus distance s
-            // and the sample's 2x2 matrix W. The sample's inverse depth is the mean of the diagonal of W.
+            // The inverse depth is the mean of the diagonal of W, where map_px = map_px_m_ (I / s - W) for
+            // the focus distance s.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -85,8 +85,9 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Creates the blur model of an aperture. `half_diagonal_px` is half the diagonal of the image, in the px of
-/// `geometry`. Throws Error(wrong_arguments) for a real lens, and the errors of read_aperture.
+/// Creates the blur model of an aperture. Throws the errors of read_aperture, and Error(wrong_arguments) for
+/// a real lens (see lens_model).
+/// - `half_diagonal_px`: half the diagonal of the image
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -9,16 +9,15 @@
 
 namespace postlens {
 
-/// Samples of the traced area lie at pixel corners. For each corner on the border of this area, the distance,
-/// in px, to which the lens spreads the light of its sample. It is the CoC radius, or more with spherical
-/// aberration.
+/// Blur radii, in px, at the pixel corners on the border of the traced area, to find out whether more
+/// overscan is needed.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// If a sample in row `y` lies on the border of the traced area, raises the blur radius stored for its
-    /// position to at least `radius_px`. Several threads may add different rows.
+    /// Raises the stored radius of a border sample in row `y` to at least `radius_px`. Thread-safe for
+    /// different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// If corners of the pixel (x, y) lie on the border of the traced area, raises the blur radii stored for
     /// these corners to at least `radius_px`.

@@ -23,9 +23,8 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The samples that have no reflections and lie at corners of four pixels that are not divided into smaller
-/// cells. The arrays have one element per pixel corner, row by row. All these samples have weight 1. Corners
-/// on the border of the raster are not stored here.
+/// Compact arrays for samples without reflections, at corners of four undivided pixels: one element per pixel
+/// corner, row by row.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;

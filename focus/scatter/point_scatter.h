@@ -25,8 +25,7 @@ class PointScatter {
     /// Adds the blurred light of all samples that reach the rows `rows` of the image.
     void run(const RasterWindow& rows);
 
-    /// The part of the rows passed to `run` that the blur of any sample may reach, possibly empty. The pixels
-    /// outside have the sum zero, which is not stored.
+    /// The pixels that the blur of any sample may reach. Sums of light are stored only for these pixels.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
     /// Returns the sums of red, green, blue and weight of a pixel. Those of the next pixels of the row

@@ -44,8 +44,8 @@ struct RowRange {
     int begin, end;
 };
 
-/// Convolves a row of samples with the kernel rows dy >= 0 of a disc. The disc is symmetric, so the result of
-/// row dy is added to two rows of the image: dy rows below `down`, and dy rows above `up`.
+/// Convolves a row of samples with the lower half of a disc kernel. Adds the result below `down`, and
+/// mirrored above `up`.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -90,8 +90,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the blurred weights of a row of samples to rows of the image. All samples have weight 1, so the
-/// pixels dy rows below `down` and dy rows above `up` get the sum of the values of kernel row dy.
+/// Adds the weights of a row of samples, blurred by a symmetric disc, below `down` and above `up`. Each
+/// sample has weight 1.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -198,8 +198,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Only the lower half of the kernel is used (rows dy >= 0). The kernel's centre lies between the rows -1
-    // and 0, so the upper half is its mirror image: row -1 - dy equals row dy.
+    // Uses only the lower half of the kernel (rows dy >= 0), because row -1 - dy equals row dy.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);

@@ -27,8 +27,8 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums for `block`, a part of the image, from all runs (adjacent samples with the same disc
-    /// as blur kernel). Returns false if no run reaches the block.
+    /// Computes the sums of blurred light in `block`, a part of the image. Returns false if no run of samples
+    /// reaches the block.
     bool run(const RasterWindow& block);
 
     /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to

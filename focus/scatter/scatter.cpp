@@ -29,9 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel's colour. It is `weight`, the sum of the weights of its samples. If
-/// `weight` is below 1, empty space adds the missing weight, but at most `most_nothing`, so that the pixel
-/// becomes darker.
+/// Returns the divisor of a pixel's colour: the weight of its samples, filled up to 1 by at most
+/// `most_nothing` of empty space.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -54,8 +53,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Divides one colour channel by its sum of weights and stores it in the image. Only used if each channel has
-/// its own blur kernels; `points` then contains the samples blurred by the kernels of this channel.
+/// Divides one colour channel by the sum of weights and stores it. Used if each channel has its own blur
+/// kernels.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();

@@ -39,9 +39,6 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// Adds the blur kernel of one surface point that the sample `s` sees. Multiplies `rgb` and `weight` by
-    /// the weight of the sample. Reflections and refractions have `weight` 0, because the sample already
-    /// counts with its directly visible surface.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -347,8 +344,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Begins with the samples that were kept in memory because of their large blur. Rows that are not added
-    // again reach this part of the image only with such samples.
+    // Samples with a large blur were kept in memory, so only file rows near this strip of the image are read
+    // again.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

@@ -27,8 +27,8 @@ namespace postlens {
 /// `picture`. No blur kernel needs to be larger.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred, or light that it sees by reflection or refraction. Such light has `weight` 0, so
-/// that the sample counts only once in a pixel's sum of weights.
+/// A sample to be blurred. Reflections and refractions have `weight` 0, so that a sample counts only once in
+/// the sum of weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
@@ -78,9 +78,9 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the samples in the rows [y_begin, y_end) of pixel corners. `band` must contain the records of
-    /// these rows and of the next row above and below them, if any. Throws Error(invalid_input) if a pixel's
-    /// quadtree is damaged.
+    /// Adds the samples in the rows [y_begin, y_end) of pixel corners. Throws Error(invalid_input) for a
+    /// damaged quadtree.
+    /// - `band`: the records, with one more row above and below
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
@@ -96,18 +96,16 @@ class SplatTables {
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
-    /// Prepares for an image that is computed in strips (groups of rows). Call it before the first row is
-    /// added. Rows are then added twice: before finish(), only to find which blur kernels are needed, and
-    /// again for each strip.
+    /// Call it first to compute the image in strips (groups of rows). After finish(), add the rows again that
+    /// begin_strip returns.
     void survey() { keep_ = Keep::none; }
-    /// Starts the strip `part` of the image (group of rows). Its height must be a multiple of `block_px`.
-    /// Returns the ranges [begin, end) of sample rows that must be added again. After that, call
-    /// finish_strip(). Only allowed after finish().
+    /// Starts the strip `part` (group of rows) of the image. Returns the row ranges [begin, end) to add again
+    /// before finish_strip().
+    /// - `block_px`: divisor of the height of `part`
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// The image is divided into blocks of `block_px` rows. Returns the number of samples whose blur reaches
-    /// the blocks [begin, end). The samples are counted in the first strip, so call it after the first
-    /// finish_strip(). The first strip may be an empty window.
+    /// Returns the number of samples whose blur reaches the blocks [begin, end) of `block_px` rows. Call it
+    /// after the first finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -123,16 +121,15 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The largest range of pixel rows that a run (adjacent samples with the same disc) is blurred over,
-    /// relative to the row of its samples.
+    /// The range of rows that the largest disc of all runs covers, relative to the row of the samples.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns, for each pixel of row y, the largest fraction that may stay black because it is empty space.
-    /// Returns null if let_nothing_fill was not called.
+    /// Returns the largest fraction of each pixel in row y that empty space may fill, or null without
+    /// let_nothing_fill.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *

@@ -30,9 +30,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the rows of the file; a row for which begin_row was never called is read for
-    ///   every strip
-    /// - `picture`: window of the image, which is divided into blocks of `block_px` rows
+    /// - `source`: window of the rows of the file
+    /// - `picture`: window of the image, divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
