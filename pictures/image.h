@@ -100,12 +100,11 @@ enum class PictureValues {
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first part of any file that OpenImageIO can read. The image gets its first three channels, or
-/// one channel as grey. Integers and values tagged as sRGB are converted to scene-linear.
+/// Reads the first part of a file: its first three channels, or one as grey. Integers and sRGB values become
+/// scene-linear.
 ///
-/// The image covers the file's display window; if write_image cropped the file, it covers only the crop.
-/// Pixels outside are dropped. Pixels inside that the file does not store are black. Throws
-/// Error(invalid_input).
+/// The image covers the display window, or the crop if write_image cropped the file. Pixels without values
+/// are black. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 
