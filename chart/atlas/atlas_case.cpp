@@ -97,25 +97,34 @@ std::string sentences(const TomlTable& t, Name key) {
 const std::vector<AtlasCause>& atlas_causes() {
     static const std::vector<AtlasCause> causes{
         {"hidden-surface",
-         "The lens or the shutter sees a surface that the pinhole does not see, and that is not recorded."},
+         "The lens or the shutter sees a surface that the pinhole does not see, and that is not recorded.",
+         "surfaces that the sample file lacks"},
         {"visibility",
          "Occlusion is computed wrongly: the method mixes surfaces without a depth test at each point of the "
-         "lens."},
+         "lens.",
+         "wrong occlusion"},
         {"curvature-of-W",
          "The matrix W describes how images in mirrors and glass move when the lens point moves away from "
          "the "
-         "centre of the lens. It is a linear approximation, so it is wrong far from the centre."},
+         "centre of the lens. It is a linear approximation, so it is wrong far from the centre.",
+         "wrong positions of images in mirrors and glass"},
         {"view-dependent-shading",
          "The colour of a point depends on the lens point and the instant from which it is seen. The records "
-         "have the colour for the pinhole and the frame's instant."},
+         "have the colour for the pinhole and the frame's instant.",
+         "shading that changes over the lens or the exposure"},
         {"path-and-depth-correlated",
          "While an object moves, its depth, its outline or its occluder changes, so one path is not enough "
          "to "
-         "blur it."},
-        {"frame-edge", "Light comes into the picture from beyond the border of the records."},
-        {"kernel-truncation", "An impulse response is too coarse, too small or too large for its raster."},
-        {"record-density", "There are too few point samples, views or instants to represent the scene."},
-        {"none", "Extreme settings and depths, for which the results must still be right."}};
+         "blur it.",
+         "motion that one path cannot describe"},
+        {"frame-edge", "Light comes into the picture from beyond the border of the records.",
+         "light from beyond the frame's border"},
+        {"kernel-truncation", "An impulse response is too coarse, too small or too large for its raster.",
+         "inaccurate blur kernels"},
+        {"record-density", "There are too few point samples, views or instants to represent the scene.",
+         "too few samples, views or instants"},
+        {"none", "Extreme settings and depths, for which the results must still be right.",
+         "extreme settings"}};
     return causes;
 }
 

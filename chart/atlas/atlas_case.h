@@ -67,6 +67,7 @@ struct AtlasCase {
 
 struct AtlasCause {
     std::string word, meaning;
+    std::string source;  ///< what the error comes from, in a few words
 };
 /// Returns the causes of error that atlas cases may name, in the order of docs/failures.md. The last, "none",
 /// is for cases without an expected error.

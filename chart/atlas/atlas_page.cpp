@@ -1,5 +1,6 @@
 #include "chart/atlas/atlas_page.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -89,10 +90,11 @@ std::string caption(const AtlasEntry& e) {
         fmt::format("Scene {}. {} % of the pixels differ from the pinhole image.", view_text(e.what.view),
                     affected < 0.5 ? "Fewer than 0.5" : fmt::format("{:.0f}", affected));
     if (e.result.named_share) {
-        out += fmt::format(
-            " `compare --map-causes` attributes {:.0f} % of the tested method's squared error to the cause "
-            "`{}`.",
-            100 * *e.result.named_share, e.what.cause);
+        const auto& causes = atlas_causes();
+        const auto cause = std::find_if(causes.begin(), causes.end(),
+                                        [&](const AtlasCause& c) { return c.word == e.what.cause; });
+        out += fmt::format(" `compare --map-causes` finds that {:.0f} % of the squared error comes from {}.",
+                           100 * *e.result.named_share, cause->source);
     }
     return out;
 }
