@@ -70,6 +70,19 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
 
 void StackLights::add(int x, std::span<const StackSample> stack, bool fills, double open,
                       const Behind* behind, StackValue value, std::vector<PixelLight>& out) {
+    const bool behind_known = behind != nullptr && behind->known;
+    if (stack.size() == 1 && stack[0].alpha == 1 && !stack[0].holdout && !behind_known &&
+        (fills || open <= opaque_transmittance) && value == StackValue::colour) {
+        // Shortcut: most pixels show one opaque surface, far from any edge.
+        const StackSample& s = stack[0];
+        const auto spread = static_cast<double>(s.spread_inverse_z());
+        out.push_back({.x = x,
+                       .inverse_depth = static_cast<double>(s.inverse_z),
+                       .spread_depth = spread,
+                       .rgb = {s.r, s.g, s.b},
+                       .surface = surface_at(spread)});
+        return;
+    }
     left_ = 1;
     met_.clear();
     sums_.clear();
@@ -88,7 +101,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, dou
     }
     if (left_ > least_share) {
         add_surface(nothing, {}, {}, 1, false);
-    } else if (behind != nullptr && behind->known) {
+    } else if (behind_known) {
         const Depths depths{static_cast<double>(behind->inverse_z),
                             static_cast<double>(behind->spread_inverse_z)};
         const auto weight = static_cast<double>(behind->weight);
