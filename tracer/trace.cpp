@@ -24,8 +24,7 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Depth edges are found up to this distance, px, from the traced window, because a lens may see
-// past them into the window.
+// Depth edges are found up to this many px outside the traced window, because a lens may see past them.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -87,7 +86,6 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // Also records the hidden surfaces that a lens sees past edges, within the pixels `w`.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -181,7 +179,6 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants up to the recorded instants before and after `at_s`, to find surfaces that motion reveals.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;

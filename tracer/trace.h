@@ -21,37 +21,33 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// If true and `for_f_number` is set, pixels are subdivided to at least `lens_levels` levels at edges of
-    /// objects. `subdivision.levels` then limits only the subdivision due to contrast.
+    /// With `for_f_number`: divides pixels at object edges to at least `lens_levels` levels.
+    /// `subdivision.levels` then limits only the division due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     /// Value of `subdivision.levels` for methods that trace further rays where the samples are too coarse.
     /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// Between two recorded instants, a turning object shows parts that neither instant records. If `keys` is
-    /// absent, this is the largest turn, degrees, of an object relative to the camera between recorded
-    /// instants.
-    /// At 15 degrees, the unrecorded part of a turning ball is 0.9 % of its radius wide (1 - cos 7.5
-    /// degrees).
+    /// If `keys` is absent, the largest turn of an object between recorded instants, degrees, relative to the
+    /// camera.
+    /// At 15, two instants miss 0.9 % of a ball's radius (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// Value of `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. It
-    /// may be larger, because rays replace what is not recorded.
+    /// `degrees_per_key` for methods that also trace rays. It is larger, because rays replace missing
+    /// surfaces.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of changing light alone, if `keys` is absent. It allows half the squared error
-    /// of 40 dB, the default target.
+    /// Target PSNR, dB, of changing light alone, if `keys` is absent: half the squared error of the 40 dB
+    /// target.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays. A target that is 12 dB lower needs
-    /// half as many recorded instants.
+    /// `light_db` for methods that also trace rays. 12 dB less halves the number of recorded instants.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Value of `narrow_strip_px` for methods that also trace rays. A strip of a hidden surface up to this
-    /// width need not be recorded. These methods trace rays at the edges of objects anyway, half a pixel to a
-    /// pixel on each side.
+    /// `narrow_strip_px` for methods that also trace rays, which trace up to a pixel beside edges anyway.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets its `lens_radius_m` for the f-number `for_f_number`, or else the camera's, or else
-    /// 1.4. With `for_f_number`, `bend_radius_m` gets the same value.
+    /// trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's f-number, else from
+    /// f/1.4.
+    /// `for_f_number` also sets `bend_radius_m`.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -59,8 +55,8 @@ struct TraceSettings {
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16.
-    /// If absent, records those that motion in `for_shutter` or a lens of `for_f_number` may reveal.
+    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, only those that
+    /// `for_shutter` or `for_f_number` may reveal.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
@@ -90,8 +86,8 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Set only if `keys` was chosen automatically: the turn of an object or the camera during the shutter
-    /// interval, and the reason for `keys`.
+    /// Only if `keys` is chosen automatically: the turn, degrees, of an object or the camera, and the reason
+    /// for `keys`.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

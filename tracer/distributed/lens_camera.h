@@ -61,9 +61,11 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which a pinhole sees the point at distance `t`, m, on a ray
-    /// through the lens. The ray belongs to image position (x, y) and starts at the lens point `unit`, given
-    /// in lens radii. Not for cameras with a lens prescription.
+    /// Returns where, in raster px, the pinhole camera sees a point of the lens ray at image position (x, y).
+    /// - `unit`: lens point where the ray starts, in lens radii
+    /// - `t`: distance of the point along the ray, m
+    ///
+    /// Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// Returns the inverse depth, 1/m, of a plane at its point `world`, and the derivatives along raster x

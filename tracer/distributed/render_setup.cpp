@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Finite placeholder for the f-number of a real lens (lens prescription), until it has been computed.
+/// Finite placeholder, because the f-number of a real lens is computed later, from the lens prescription.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

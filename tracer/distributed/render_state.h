@@ -24,12 +24,9 @@ struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// For each half, sums of radiance multiplied by the exposure. A sum is 3 doubles (RGB) per pixel,
-    /// row-major.
-    /// A half has either one sum of all its samples or one sum for each block of samples.
+    /// One array for each half of the samples: radiance times exposure, 3 doubles (RGB) per pixel, row-major.
     std::array<std::vector<double>, 2> sums;
-    /// For each half, the sum of the block of samples that is not yet complete. It is added to `sums` when
-    /// the block is complete.
+    /// Sums of the blocks of samples that are not yet complete, one array for each half of the samples.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -51,7 +48,7 @@ struct RenderState {
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
-/// One part of a render that several runs share (--share): some of the samples of every pixel.
+/// Some of the samples of every pixel, rendered by one of several program runs (--share).
 struct RenderPart {
     RenderState state;
     std::string settings, mark;  ///< as passed to write_state

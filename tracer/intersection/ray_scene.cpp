@@ -87,8 +87,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on mesh instances that do not exist at the time of the ray. Each exists between two keyframes.
-// Embree 3.13 may report them if the shadow rays of a packet span several of these intervals.
+// Embree 3.13 may report a mesh instance outside its keyframe interval if a packet of shadow rays spans
+// several intervals.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

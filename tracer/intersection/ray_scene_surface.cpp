@@ -96,9 +96,7 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // The matrix `base` transforms the unmoved object to local coordinates. So R * S * base^-1 transforms
-    // local coordinates to the world, with the rotation R and the scale S.
-    // Normals are transformed by the inverse transpose of this matrix: R * S^-1 * base^T.
+    // Inverse transpose of the local-to-world matrix R S base^-1 (rotation R, scale S): R S^-1 base^T.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }

@@ -45,9 +45,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// The beam consists of four rays, one from each corner of a quadtree cell. Returns the vector, m, from
-    /// `point` to the nearest point of ray k.
-    /// Its components are along `right` and `down`, perpendicular to the beam's axis.
+    /// Returns the vector, m, from `point` to the nearest point of ray k, as components along `right` and
+    /// `down`.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -60,8 +59,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Dimmer images of bright objects in mirrors and glass are not searched for. The radiance 0.0144 is
-/// an sRGB value of 1/8.
+/// The sRGB value 1/8 as radiance. Dimmer images in mirrors and glass are ignored.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -122,8 +120,6 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // The vector from a bright object's centre to a ray is modelled as linear in the
-        // ray's position within the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -133,13 +129,11 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell ends at 0.5 cell widths from its centre. The value 0.55 and the factor 1.1 allow for
-        // errors of the linear model.
+        // More than 0.5 cell widths and one radius, because the position is only approximated linearly.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The image of the sphere is an ellipse: the unit circle mapped by radius * cell_by.
-        // The smaller singular value of this matrix is the ellipse's shorter semi-axis, in cell widths.
+        // The smaller singular value of radius * cell_by is half the width of the sphere's elliptical image.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -38,10 +38,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small quadtree cells must be so that no image of a bright object in a mirror or in glass
-    /// is missed. Such images are searched for in a cell of width `size_px`, in px.
-    /// `at` holds the rays from the cell's four corners, row by row, after the same reflections and
-    /// refractions.
+    /// Returns how small quadtree cells must be to show all images of bright objects in mirrors and glass.
+    /// - `at`: rays from the four corners of a cell after equal reflections and refractions, row by row
+    /// - `size_px`: width of this cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

@@ -17,8 +17,7 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// Keeps references to all arguments. `samples` are the eye rays through cell corners, and `chunks` hold
-    /// the surface points that these rays hit. Their contents may change between calls.
+    /// Keeps references to all arguments. The contents of `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               std::vector<TracedSamples>& chunks)
@@ -69,12 +68,10 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point of the first sample, and the points of the other samples with
-    /// the same object and bounces.
+    /// Returns the first sample's n-th surface point and the points of other samples with equal object and
+    /// bounces.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the index of the surface point that a sample hits after this sequence of bounces, or nothing.
-    /// Tests the sample's point number `guess` first, because most corners of a quadtree cell have the same
-    /// points in the same order.
+    /// Returns the index of the surface point hit after the bounces `path`. Tests index `guess` first.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -87,8 +84,7 @@ class CellSplit {
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {}, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Returns the shading tree of the visible or hidden surface that begins at record `at` of the sample.
-    /// Sets `at` to the index after its last record.
+    /// Returns the records of the surface that begin at index `at`, and moves `at` past them.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.

@@ -61,11 +61,8 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel. The functions must be thread-safe.
-    // - `fill(i, keys)`: sets the positions of the points of batch i
-    // - `traced(index, sample)`: receives each new sample
-    // - `around(key)`: returns earlier samples near a position
-    // - `for_comparison`: the samples are not recorded
+    // Traces batches of points in parallel: `fill` sets the positions, `traced` receives the samples. All
+    // functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -182,8 +179,7 @@ class BandSampler {
         });
     }
 
-    // Stores a sample on the edge between this band of pixel rows and the band above. It was already traced
-    // for the band above.
+    // Reuses sample i, which was traced with the band of pixel rows above.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -222,8 +218,8 @@ class BandSampler {
                 {}};
     }
 
-    // Returns the pixels to divide. Their left and right neighbours are included if the centre differs from
-    // the corners, because a small object may lie between pixel corners.
+    // Pixels left and right of a divided pixel are also tested at the centre, because small objects may lie
+    // between pixel corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -332,9 +328,8 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
-    // of the band of rows belongs to the pixel above it, because the corners of the pixel below are not
-    // traced yet.
+    // Points on the lower edge of the band belong to the pixel above, because pixels below are not traced
+    // yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -8,8 +8,7 @@
 
 namespace postlens {
 
-/// Returns how many of an image's `rows` rows are traced to predict the size of the sample file.
-/// It is 2 of every 96 rows, but 8 to 64, and at most `rows`.
+/// Returns the number of rows traced to predict the file size: about rows / 48, but 8 to 64 (at most `rows`).
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.

@@ -38,11 +38,10 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns at how many evenly spaced instants (keys) the scene must be recorded so that all objects are
-/// shown: the least number from `at_least` to 64.
-/// Each time span in which an object is in view must contain a key or `recorded_s`, an instant that is
-/// recorded anyway.
-/// Time spans that are too short for 64 keys are ignored.
+/// Returns the least number of evenly spaced instants, `at_least` to 64, so that every object in view is
+/// recorded.
+/// Ignores time spans that are too short for 64 instants.
+/// - `recorded_s`: instant that is recorded anyway
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of images if every `between`-th time step is recorded. If 0, only the
-    /// frame's own instant is recorded.
+    /// Returns the predicted PSNR, dB, if every `between`-th instant is recorded (0: only the frame's own
+    /// instant).
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -175,8 +175,7 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // A hit at another distance is on another part of the object, which hides the point.
-                // The tolerance allows for the rounding of single-precision rays.
+                // Relative tolerance of the distance, because rays are traced in single precision.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -216,7 +215,7 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // The search starts with the most instants, because errors with few instants may cancel by chance.
+    // Begins with the most instants, because errors may cancel by chance if instants are few.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

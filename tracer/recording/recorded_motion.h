@@ -14,7 +14,7 @@ namespace postlens {
 /// If several shapes have the same id, the motion of the first is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns, ascending, each object id that several shapes with different keyframes share.
+/// Returns, in ascending order, the ids that belong to several shapes with different keyframes.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

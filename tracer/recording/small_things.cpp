@@ -30,9 +30,7 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Only for cones: half[0] is the axis. At its first end, centre - half[0], the other two half axes are
-    // multiplied by ends.x. At its second end, centre + half[0], they are multiplied by ends.y. For all other
-    // shapes, ends.x = ends.y.
+    // For cones: half[1] and half[2] are multiplied by x at centre - half[0], and by y at centre + half[0].
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -75,8 +73,6 @@ Axes box_around(const std::vector<glm::vec3>& points) {
         }
         return out;
     };
-    // Turned box: its first side points from the centre to the farthest point,
-    // and its second side from this line to the point farthest from the line.
     const dvec3 first = longest([](const dvec3& v) { return v; });
     const double length = glm::length(first);
     if (!(length > 0)) return box(straight);
@@ -228,8 +224,6 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // Near the tip of a cone, a piece may be much wider at one end than at the other. Halves the piece
-        // until neither end is more than twice as wide as the other.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -307,8 +301,6 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // Half the width of the object's image. The width is measured perpendicular to the longest of the three
-    // projected half axes, where the image is narrow.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -334,20 +326,16 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Along the outline of a compact bright object, quadtree cells must be small, so that the area of the
-    // object is accurate.
-    // The outline of an elongated object crosses so many cells that their errors average out.
+    // Small quadtree cells make the area of compact bright objects accurate. Along elongated objects, errors
+    // average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. A piece needs three or more quadtree cells, so half as many pieces as
-    // allowed cells are too many.
+    // Limits memory: a piece needs at least three quadtree cells, so this many pieces need too many cells.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Number of quadtree cells: those of width find_px that cover the object, and those of
-    // width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

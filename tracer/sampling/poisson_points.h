@@ -21,9 +21,7 @@ struct PoissonPattern {
 /// Returns n random points on the torus [0, 1)^2, where n is 1 to 1024.
 /// All points are at least `poisson_distance_share` * densest_distance(n) apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of random points, as a fraction of the largest possible one (densest_distance).
-/// At 0.7, one of a hundred random positions is far enough from all other points to become the last point. At
-/// 0.777, there is usually no such position.
+/// Minimum distance of points, as a fraction of densest_distance. At 0.777, the last point rarely finds room.
 inline constexpr double poisson_distance_share = 0.7;
 
 /// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least
@@ -59,7 +57,7 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Point patterns for blocks of floor(n / blocks_) samples, and for blocks of one sample more.
+    /// Point patterns of floor(n / blocks_) points and of one more, because n / blocks_ may have a remainder.
     std::array<Patterns, 2> sizes_;
 };
 

@@ -38,9 +38,9 @@ inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Random numbers in [0, 1), multiples of 2^-24, for the samples of pixels. They depend only on kind, spp,
-/// seed, pixel, set and index, not on the instruction set. The 1D and 2D points of a set are independent.
-/// All samples of a pixel must be used, because a subset may not be well distributed.
+/// Random numbers in [0, 1), multiples of 2^-24, for the samples of a pixel; equal on all processors.
+/// Use all samples of a pixel, because a subset may not be well distributed. The 1D and 2D points of a
+/// SampleSet are independent.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;

@@ -16,17 +16,16 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Divides by an integer up to 2^20 by multiplying by its reciprocal. Adding 0.5 to the dividend makes
-/// rounded quotients up to 2^24 exact.
+/// Multiplies by the reciprocal. Exact for divisors up to 2^20 and quotients up to 2^24, because 0.5 is
+/// added.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Divides [0, 1) into `value` equal intervals. Returns the lower edge of interval number `cell`, in
-    /// units of 2^-24.
-    /// Sample points are multiples of the same unit, so rounding never moves a point out of its interval.
+    /// Returns the lower edge, in units of 2^-24, of interval `cell` of the `value` equal intervals of [0,
+    /// 1).
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         // Rounds up: for integers a and d, ceil(a / d) = floor((a + d - 1) / d). Adding
         // 0.5 protects against rounding errors.
@@ -70,8 +69,7 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the row of cell c: the last row whose first cell, floor(row * n / rows), is at most c.
-        // It is the last row with row * n <= (c + 1) * rows - 1.
+        // Row r begins at cell floor(r * n / rows). This is the last row that begins at or before cell c.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

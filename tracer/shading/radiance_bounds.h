@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns upper bounds of the radiance along a ray. Element k is for rays followed over at most k surfaces.
-/// A value of 1e100 or more means no bound, as near a light whose intensity grows without limit.
+/// Returns upper bounds of the radiance along a ray: element k for at most k successive surface hits.
+/// 1e100 or more means unbounded.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

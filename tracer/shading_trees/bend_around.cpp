@@ -6,9 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Searches for a surface hit with this sequence of bounces, first in `layer`, and then in layer 0. Returns
-/// null if there is none.
-/// Layer 0 is searched because it alone contains the mirror or glass in front of a hidden surface.
+/// Returns the record with `path` in `layer`, else in layer 0, which alone contains the mirror or glass in
+/// front.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -29,7 +28,7 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the hits of one sample that are seen after the same bounces at the same objects as a given hit.
+/// Summary of the hits in one sample that are seen in the same mirrors and glass objects as a given hit.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

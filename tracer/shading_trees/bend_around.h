@@ -1,6 +1,5 @@
-// Estimates `w_bend`, which measures how nonlinearly the image of a surface moves when the lens point moves.
-// The estimate is made from samples nearby, because a measurement needs additional rays. (The linear part of
-// the motion is the matrix W.)
+// Estimates `w_bend`, how nonlinearly a mirror image moves over the lens, from nearby samples instead of
+// additional rays.
 #pragma once
 
 #include <array>

@@ -23,20 +23,17 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the lit surface hit if its radiance is clamped (LimitedNode).
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// Sums the light of all sources at a surface hit before the hit's radiance is clamped.
+/// A surface hit whose radiance is clamped only after the light of all sources is added.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a surface hit to the radiance of its eye ray, but at most the limit
-/// `eye.less->above`. If `counts` is true, the light above this limit is added to `eye.left_out`.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;

@@ -30,8 +30,8 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Factors by which the caller multiplies the radiance of the eye rays. If empty, all are 1.
-    /// They only serve to omit reflected and refracted rays that contribute less than `min_contribution`.
+    /// Weight of each ray in the image, used only to skip reflections and refractions below
+    /// `min_contribution`. If empty, all are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
@@ -39,8 +39,7 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// One surface point per ray, or empty. If set, only the excluded light of the point (`left_out`)
-    /// is computed, and not `radiance`.
+    /// If not empty, one surface point per ray: only the radiance that `less` excludes there is computed.
     std::vector<NodeIdentity> left_out_of;
 };
 

@@ -27,8 +27,8 @@ class FilmMotion {
     /// `point` is the world position, m, of the point at the recorded instant.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i of the infinitely distant background in `direction`.
-    /// For an orthographic camera, returns `at`, the raster position of the ray.
+    /// Returns where, in raster px, the infinitely distant background in `direction` appears at instant i.
+    /// - `at`: raster position of the ray; the result for orthographic cameras
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -46,8 +46,7 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving object (by id), one matrix per predicted instant. It transforms the world position of
-    /// a point at the recorded instant to the position of the same point at the predicted instant.
+    /// Per object id and predicted instant, the matrix from recorded to predicted world positions.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

@@ -27,25 +27,24 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Past an edge, the lens sees a strip of the hidden surface. The strip is widened by this margin, px,
-    /// for two reasons:
-    /// - The position of the edge is known only up to the diagonal of a pixel.
-    /// - The corners of all pixels that show a part of the strip must be included.
+    /// Margin, px, around the strip seen past an edge, because edges are found only to a pixel and whole
+    /// pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// Two image positions lie on different sides of a depth edge if their parallax over the lens radius is
-    /// at least this fraction of their distance.
+    /// A depth edge lies between two pixels if their parallax from lens centre to rim is at least this
+    /// fraction of their distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Finds depths and edges by one ray from the pinhole per pixel of [x_begin, x_end) x [y_begin, y_end).
-    /// Requires a perspective camera, `aperture_radius_m` > 0, and the `max_depth` of the trace.
-    /// Surfaces whose images shift by less than `same_place_px` relative to each other count as one.
+    /// Traces one ray from the lens centre per pixel of [x_begin, x_end) x [y_begin, y_end). Only for
+    /// perspective cameras.
+    /// - `aperture_radius_m`: greater than 0
+    /// - `same_place_px`: surfaces with less parallax count as one
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces that one ray has passed so far, which may hide the next one from the lens.
+    /// Surfaces that a ray has passed. They may hide farther surfaces from the lens.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
@@ -60,7 +59,8 @@ class LensReach {
     /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
     /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Like may_see, but for an infinitely distant surface behind those in `covers`.
+    /// Returns true if the lens may see the infinitely distant background past the surfaces in front,
+    /// `covers`.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -85,7 +85,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Parallax, px, between the centre and the rim of the lens per difference of inverse depths, 1/m.
+    /// Parallax, px, from lens centre to rim per 1/m of difference in inverse depth.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -25,8 +25,8 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Throughput times the radiance of the point without the light from its glossy lobes.
-    /// If it is bright, the noise of the lobes is less visible, so fewer rays are sent for the lobes.
+    /// Throughput times radiance without the glossy lobes. If bright, it hides their noise, so that fewer
+    /// rays suffice.
     glm::dvec3 beside{0};
 };
 
@@ -53,7 +53,8 @@ struct LobeHit {
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the time for rough metals, whose noise is then about 4/255.
+    /// Largest number of rays per glossy surface hit. Rough metals then have noise of about 4/255 in the
+    /// image.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.

@@ -1,5 +1,5 @@
-// Ray differentials through mirrors and glass [igehy1999]: how a ray changes with the eye ray and lens point.
-// They give the matrix W, by which the image of a surface point moves with the lens point.
+// Ray differentials [igehy1999] through mirrors and glass: how a ray changes with image position and lens
+// point.
 #pragma once
 
 #include <array>
@@ -50,9 +50,7 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 /// huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W for a ray that hits nothing. It describes how the image of the infinitely distant
-/// background moves when the lens point moves.
-/// It is computed from the derivatives of the ray's direction.
+/// Returns the matrix W of a ray that hits nothing: the background's image moves by -W q for a lens point q.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

@@ -1,5 +1,4 @@
-// Measures the error of the matrix W for surfaces seen in mirrors and glass, with rays from the lens.
-// W predicts that a surface's image moves by -W q if the lens point moves by q.
+// Measures with additional rays how nonlinearly images in mirrors and glass move over the lens (`w_bend`).
 #pragma once
 
 #include <array>
@@ -33,8 +32,7 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position with respect to the slopes of the eye ray
-    /// along raster x and y.
+    /// Derivatives of the hit's world position by the eye ray's slopes x / z and y / z along the raster axes.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

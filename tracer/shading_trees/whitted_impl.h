@@ -80,14 +80,10 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Reflected and refracted rays and their first hits. A lens may also see hidden
-        // surfaces in mirrors and glass.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only to measure `w_bend`, the nonlinear motion of an image over the lens. `bounces` lists the
-        // objects at which rays bounced.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
@@ -128,9 +124,7 @@ struct WhittedTracer::Impl {
     // them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces the hidden surfaces that are seen in mirrors or through glass.
-    // The records of each such surface form a new layer. The mirror or glass is not recorded again in this
-    // layer.
+    // Each hidden surface seen in a mirror or through glass becomes a new layer, without the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
@@ -158,8 +152,8 @@ struct WhittedTracer::Impl {
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` of the surface points in w.bent from earlier samples nearby, instead of measuring
-    // it. Points for which this succeeds are removed from w.bent, and those that remain are measured.
+    // Estimates `w_bend` in w.bent from earlier samples nearby, so that only points without an estimate are
+    // measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
