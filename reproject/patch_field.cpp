@@ -45,9 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// Number of views (images for one lens point and instant) after which an image square is tested. If the
-/// recorded surfaces determine less than half of its mirror and glass samples, later views replace all of
-/// them by rays. Rays are then faster.
+/// After this many views, rays replace all mirror and glass samples if fewer than half were reprojected
+/// accurately.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -281,7 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Even where rays replace all colours, depths are needed, because surfaces hide highlights.
+        // Depths are needed even where rays replace all colours, because surfaces may hide highlights
+        // (`lights`).
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -326,8 +326,7 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds the view's colour in each pixel to the sum over all views. This is faster than add_some, but the
-    /// view must come from a single recorded instant, without vignetting (PatchView::passes).
+    /// Faster than add_some; requires a view of a single recorded instant, without vignetting.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -335,8 +334,6 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds the colours that the view takes from its recorded instant `u` (0 or 1) to the sum over all views.
-    /// `trees`: whether to include reflections and refractions.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;

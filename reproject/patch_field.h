@@ -39,11 +39,11 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Copied into every ray (SightLine) that is traced for this image. `number` becomes SightLine::view.
+    // Values for the rays that are traced for this view; SightLine documents them.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
-    std::uint32_t number = 0;
+    std::uint32_t number = 0;  ///< SightLine::view
 
     [[nodiscard]] bool moves() const {
         return std::any_of(uses.begin(), uses.end(), [](const Use& use) {
@@ -72,16 +72,15 @@ struct PatchViews {
     /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
     /// If null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns which samples rays replace in the image square that contains pixel (x, y). If empty,
-    /// LeftToRays::unsure holds.
+    /// Returns which samples traced rays replace in the image square with pixel (x, y). Default:
+    /// LeftToRays::unsure.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Selects the views in which rays check the recorded colour of pixel (x, y), and appends their indices
     /// to `views`. Optional; requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// To measure the error of highlights (small bright spots), extra rays are aimed at them from randomly
-    /// selected pixels. Returns the probability with which pixel (x, y) was selected, or 0 if it was not.
-    /// Optional; requires that the function `checked` is set.
+    /// Returns the probability with which pixel (x, y) was selected for rays aimed at highlights; 0 if not
+    /// selected. Optional; requires `checked`.
     std::function<double(int x, int y)> aimed;
     /// Index of the output image, in the argument `out` of patch_field, that stores the mean of these views.
     /// Several sets of views (PatchViews) may have the same index, if they draw different squares of the
@@ -94,8 +93,8 @@ struct PatchField {
     /// Returns the number of an object's motion group; the objects of a group move alike. Needed only if
     /// objects move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each motion group: bits to set in PatchPicture::touched where the group may change a pixel; 0 at
-    /// rest. Without this list, `touched` is not computed.
+    /// Bits that mark, in PatchPicture::touched, where each group of objects may change a pixel (0 at rest).
+    /// If empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
@@ -104,11 +103,11 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// Rectangle of recorded pixels; the end is exclusive. Pixels that an unrecorded object from outside may
-    /// cover count as unknown. Required if rays are traced.
+    /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
+    /// traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of all lens points, in m, times the film distance in px. It bounds how far the
-    /// lens displaces surfaces. Required with rays or highlights.
+    /// Half width and height of the lens, in m, times the film distance in px. Required with rays or
+    /// highlights.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -144,12 +143,11 @@ class Lights {
     /// - 3: the mean, over all lens points, of the square of the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A random ray from a pixel towards a highlight (small bright spot). The light that the pixel receives
-    /// from all highlights is estimated as the mean, over such rays, of the ray's radiance times `scale`.
+    /// A random ray from a pixel through the lens to a highlight.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
-        double scale = 0;
+        double scale = 0;  ///< radiance times `scale`, averaged over rays, is the light of all highlights
     };
     /// Returns the indices of the merged highlights whose light may reach a rectangle of the image, in px.
     [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
@@ -192,23 +190,21 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted fraction of the views with an unrecorded reflection or refraction. It is reduced
-    /// if the missing light is known to be darker than the pixel.
+    /// Per pixel: fraction of views, by weight, whose reflection or refraction is missing; less if its light
+    /// is known to be dark.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
     std::vector<float> traced;
-    /// Per pixel: result of comparing traced rays with recorded colours, to measure the error of the image.
-    /// PatchViews::checked selects what is compared; if it is not set, this list is empty.
+    /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
     std::vector<PixelCheck> checks;
-    /// Per pixel: rays that measure the error of the highlights' light. Empty without highlights or without
-    /// PatchViews::checked.
+    /// Per pixel: measured error of its highlights. Empty without highlights or without PatchViews::checked.
     std::vector<HighlightCheck> highlight_checks;
     /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
     /// Lights::add). Empty if the image has no highlights.
     std::vector<float> light_square;
-    /// Per pixel: a bit mask that tells which moving objects may change the pixel. It combines the masks of
-    /// these objects (PatchField::class_marks). All bits are set where some view sees nothing recorded.
+    /// Per pixel: bits (PatchField::class_marks) of the moving objects that may change it; all bits where
+    /// this is unknown.
     std::vector<std::uint8_t> touched;
 };
 

@@ -55,9 +55,8 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Displacement, in px, of a surface point's image if a lens point sees it instead of the pinhole:
-/// `(I / s - W) lens_px + offset_px`. I is the unit matrix, s the focus distance, and W the point's matrix (I
-/// / depth if seen directly).
+/// How a lens point displaces the image of a surface point, in px: `(I / s - w) lens_px + offset_px`.
+/// I: unit matrix; s: focus distance, m; w: I / depth if the point is seen directly, otherwise Record::w.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -71,9 +70,9 @@ struct LensShift {
 /// camera, unless `lens` causes no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Returns the matrix from raster points to homogeneous camera coordinates, in m, at the frame's instant. The
-/// camera looks along -z, with x to the right and y up.
-/// A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
+/// Returns the matrix from raster points to homogeneous camera coordinates, in m (x right, y up, looking
+/// along -z), at the frame's instant.
+/// Raster points are (x, y, 1, 1/z) for a perspective camera, (x, y, z, 1) for an orthographic one; z: depth.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
 /// The motions of all objects, as seen on the raster. They are read from the sample file's header;

@@ -38,10 +38,10 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// highlights, so it would be counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a surface is clamped. An empty function means that nothing is clamped.
-    /// `path`: the reflections and transmissions by which the surface is seen
-    /// `parent_id`, `id`: the object of the last reflection or transmission, and the surface's object
-    /// `at`: raster position, in px, where the pinhole sees a directly visible surface
+    /// Returns whether radiance above the limit is left out. If not set, nothing is left out.
+    /// - `path`: the reflections and transmissions by which the surface is seen
+    /// - `parent_id`: the mirror or glass in which the surface is seen
+    /// - `at`: raster position, in px, of a directly visible surface
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -63,12 +63,11 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Computes the scene-linear RGB radiance along each ray, without the highlights of `less`. Thread-safe.
-    /// Rays do not affect each other's results.
+    /// Computes each ray's scene-linear RGB radiance, without the highlights. Thread-safe; rays do not affect
+    /// each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Computes only the radiance of highlights, which `trace` leaves out. Ray i counts only surfaces with
-    /// the identity of[i].
+    /// Computes, for ray i, only the radiance of surface of[i] that `trace` leaves out.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;

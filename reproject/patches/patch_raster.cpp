@@ -41,8 +41,6 @@ struct Run {
     }
 };
 
-/// Consecutive samples of an image row, for SIMD code: the patch's pixel (`cell`) that each sample hits, the
-/// position in that pixel, and the inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -73,11 +71,7 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Tests which samples of an image row hit a planar patch: the samples with indices from `begin` to begin +
-/// lanes - 1. Stores where they hit it in `lane`. `first` is the position of sample 0, in the patch's
-/// coordinates.
-/// Bit n of the result is set if sample begin + n hits the patch in front of the surface drawn before.
-/// there[n] is the inverse depth of that surface.
+/// Sets bit n of the result if sample `begin` + n hits the patch in front of inverse depth there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -131,9 +125,7 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws a patch into consecutive samples of an image row: into sample n if bit n of `found` is set and the
-/// patch has no hole there (empty quadtree leaf). A SIMD gather would not be faster, because half of the bits
-/// are 0.
+/// A loop, because a SIMD gather is not faster: about half of the bits in `found` are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -309,8 +301,6 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
     draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
-    // In pixels where the mirror or glass itself is unrecorded, only accurately reprojected patches are
-    // drawn.
     if (!wanted.any_gaps || patch.bent) return;
     draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }

@@ -53,7 +53,6 @@ struct TilePlace {
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets the used pixels of a tile to `value`. The array `values` has SeenTile::edge elements per row.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -106,15 +105,13 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a reflected or transmitted surface must be drawn, because they show its mirror or
-/// glass.
+/// The pixels that show a mirror or glass, where surfaces seen by reflection or transmission are drawn.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// Whether the mirror or glass that shows the surface is unrecorded in some pixels. There, `in` holds
-    /// in_gap(id) of the nearest recorded object towards the eye.
+    /// True if some pixels lack the mirror or glass; there, `in` is in_gap(id) of an object in front.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -130,8 +127,8 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Returns the bounding box of the pixels that show mirrors or glass whose reflections or refractions are
-/// drawn as separate surfaces.
+/// Returns the bounding box, in px of the tile, of the pixels whose reflections or refractions are drawn
+/// separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen in a mirror or through glass, with a depth test, in the pixels of `wanted`.

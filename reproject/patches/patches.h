@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds, over several motions, of how much a motion can distort the image of a part of a surface.
+/// Largest distortion of a patch (part of a surface) by motion during the exposure.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -37,16 +37,16 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Bounds the distortion of a part of a surface by motion, over all views. Empty if nothing moves.
+    /// Returns the largest distortion of a part of a surface by motion. Empty if nothing moves.
     /// - `middle`: centre of the part
-    /// - `slope`: gradient of its inverse depth
+    /// - `slope`: gradient of its inverse depth, per px
     /// - `reach`: half its size, in px
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius of the circle of confusion, in px, of a surface point with the matrix W. For an
-    /// ellipse, it is the smaller semi-axis.
+    /// Returns the radius, in px, of the circle of confusion (smaller semi-axis of an ellipse). `w`:
+    /// Record::w of the surface.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -79,16 +79,15 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch: linear functions of the position, in px from the patch's corner. The first is inverse
-    /// depth, 1/z'. If the matrix W (motion of images with the lens point) is stored, its entries xx, xy, yx
-    /// and yy follow.
+    /// For each patch, linear functions of position (px from its corner): inverse depth and, if stored, xx,
+    /// xy, yx and yy of Record::w.
     std::vector<CellPlane> planes;
-    /// Per sheet: bits (child_bit) of the reflection and refraction that are drawn as if painted on the
-    /// surface (PatchLens::follow_px).
+    /// Per sheet: bits (child_bit) of the reflection and refraction that move with the surface
+    /// (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Returns two bits (child_bit), which tell whether a surface's reflection and its refraction are drawn
-    /// as separate surfaces. `texel` is the index of a recorded colour of the surface.
+    /// Returns the bits (child_bit) of the reflection and refraction that are drawn separately, because they
+    /// move differently from the surface.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
@@ -100,8 +99,8 @@ struct PatchMesh {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of the reflections and refractions that are drawn fixed to a surface. `texel` is
-    /// the index of the surface's recorded colour.
+    /// Returns the radiance of reflections and refractions that are drawn as part of the surface, because
+    /// they move with it.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -148,7 +147,7 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to raster position `at + d` passes through the lens at `lens_px_per_px * d`, in px m as
+    /// The ray through raster position `at + d` (px) crosses the lens at `lens_px_per_px * d`, in units of
     /// LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;

@@ -22,8 +22,7 @@ int tiles(int px) {
 /// Sort key of a patch (part of a surface): first by its sequence of reflections and transmissions, then from
 /// near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // For a sort key: bit patterns of floats are ordered like their values if non-negative, and in reverse if
-    // negative.
+    // Float bits are ordered like their values, negative ones in reverse; adding 0 turns -0 into +0.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
     const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
@@ -60,8 +59,7 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving patch is also listed for the tiles where it was recorded, because it may uncover the
-            // background there.
+            // Includes where a moving patch was recorded, because it may uncover the background there.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -22,15 +22,13 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// Those patches (planar parts of surfaces) of a tile that are seen by the same sequence of reflections and
-/// transmissions, `path`. In the tile's list, they have the indices [begin, end).
+/// Patches (parts of surfaces) seen by the same sequence of bounces: elements [begin, end) of a tile's list.
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
 };
 
-/// All patches (planar parts of surfaces) that any lens point may see in a rectangle of a tile, at any
-/// instant.
+/// All patches (parts of surfaces) that any view may show in a rectangle of a tile.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
     std::vector<std::vector<PatchChain>> chains;  ///< for each instant, the chains of `deeper`
@@ -56,8 +54,8 @@ class PatchBins {
     /// Counts the patches that are seen by reflection or transmission and may appear in a rectangle of a
     /// tile. Returns whether any recorded instant has more than `most` of them.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Adds the patches seen by reflection or transmission in `rect`, ordered by sequence of bounces.
-    /// Sequences without patches are included; their surfaces count as unrecorded.
+    /// Adds the patches in `rect` seen by reflection or transmission, grouped by sequence of bounces.
+    /// Includes empty groups.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

@@ -5,9 +5,7 @@
 namespace postlens {
 namespace {
 
-/// Returns how many px^2 of the recorded image appear in one pixel of the view, at raster point `p`. The
-/// surface is assumed to be parallel to the film. Returns nothing if the pixel shows a point outside the
-/// recorded image.
+/// Returns the recorded area, in px^2, that one pixel of the view shows; nothing outside the recorded image.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});

@@ -13,23 +13,22 @@
 
 namespace postlens {
 
-/// A square of pixels in a band of raster rows: columns [first_pixel, last_pixel), and the first `rows` rows.
+/// Up to 16 x 16 px of the raster: columns [first_pixel, last_pixel) of the first `rows` rows of a band.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A quadtree cell, or the quarter of one, that shows a single surface.
+/// All or a quarter of a quadtree cell, which shows a single surface.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of used elements of node[], the indices of ray hits. It is 4 if there is a hit at each corner
-    /// of the quadtree cell, otherwise 1. The position of a single hit is (at_x, at_y), in px from the
-    /// pixel's corner.
+    /// Number of ray hits in node[]: 4, one per cell corner, or 1 at (at_x, at_y), px from the pixel's
+    /// corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
@@ -98,9 +97,7 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// `key_pieces_`: for each surface, its number of pieces; sort_pieces replaces it by the end of these
-    /// pieces in `sorted_`.
-    /// `key_group_`: for each surface, the first of its groups in `groups_`.
+    /// Per surface; after sort_pieces, `key_pieces_` holds ends in `sorted_` instead of counts.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

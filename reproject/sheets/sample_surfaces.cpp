@@ -32,8 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Inverse depths. For a perspective camera, the hits are across / far apart, so the slope is
-    // (1 / far - 1 / near) / (across / far) = (near - far) / near / across.
+    // Perspective slope by inverse depths: (1 / far - 1 / near) / (across / far) = (near - far) / near /
+    // across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -46,9 +46,8 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Calls take(visible, first, last) for each layer of each eye ray: the visible surface, then the hidden
-/// ones. [first, last) are the layer's records; `visible` is the ray's first visible record.
-/// Calls done() after each ray.
+/// For each eye ray, calls take(visible, first, last) for its visible surface and each hidden one, then
+/// done().
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -141,8 +140,6 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and flags of reflected and transmitted hits to the mirrors and glass that show them.
-/// Updates TreeSurface::strays, infinite for hits above `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

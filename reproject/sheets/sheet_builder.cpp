@@ -76,8 +76,6 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether `p` overlaps a cell of `part` in the image. Both then belong to different surfaces, one
-    // behind the other.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -288,8 +286,6 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
-    // Fits a plane to the depths (and to each entry of W) in a pixel, by least squares. A regularisation term
-    // keeps poorly determined slopes small.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {
@@ -332,7 +328,7 @@ void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* plan
             vy[i] += a * (y - my) * (v[i] - mean[i]);
         }
     });
-    constexpr double ridge = 1e-3;  // px^2
+    constexpr double ridge = 1e-3;  // px^2; keeps poorly determined slopes small
     xx += ridge * weight;
     yy += ridge * weight;
     const double det = xx * yy - xy * xy;

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// A hidden surface lies closely behind another one if their 1/z' differ by at most this fraction. Beyond it,
-/// errors of the fitted depth planes cannot change the surfaces' order.
+/// Largest relative difference of inverse depth at which errors of fitted depths may change the order of
+/// surfaces.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

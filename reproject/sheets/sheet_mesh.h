@@ -39,9 +39,6 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs three values into one word. `sheet` is the index of the surface's part (Sheet). `children` are
-    /// bits that tell whether it reflects and transmits. `unsure` are the bits unsure_bit and
-    /// unsure_below_bit: the colour of the quadtree cell may be uncertain.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -53,16 +50,15 @@ struct Texel {
     /// True if an outline, a gap, or the edge of a shadow or texture may cross the quadtree cell. The corners
     /// of the cell then do not determine its colour.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// True if the reflected or transmitted light is uncertain, because it may contain an edge of a shadow or
-    /// texture inside the quadtree cell.
+    /// True if the reflected or transmitted light in the quadtree cell may contain the edge of a shadow or
+    /// texture.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
 /// Node of the colour quadtree of one pixel of a surface:
 /// - `none`: the surface is absent
-/// - `maybe`: uncertain, because an edge crosses the cell and the ray through its nearest corner hit a
-///   farther surface
+/// - `maybe`: the surface may be present or absent, because an edge crosses the cell
 /// - with the bit `leaf`: index of its colour (Texel)
 /// - otherwise: index of its first child, in the order up-left, up-right, down-left, down-right
 struct SheetNode {
@@ -98,7 +94,7 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     float bend = 0;              ///< Record::w_bend
-    /// Gradient of inverse depth over the raster, in 1/m per px. 0 if no rays have measured it.
+    /// Gradient of inverse depth over the raster, in 1/m per px; 0 if unknown.
     glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
@@ -125,8 +121,8 @@ struct SheetMesh {
     /// For each pixel of each surface: root of its colour quadtree. In `coarse`, for blurred surfaces, fully
     /// covered pixels have only one colour.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel of each surface: `values` linear functions about the pixel's centre, for inverse depth
-    /// (1/m) and, if `values` is 5, for the entries of W.
+    /// For each pixel, relative to its centre: planes of inverse depth (1/m) and, if `values` is 5, of
+    /// Record::w.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
@@ -165,8 +161,7 @@ struct HighlightRule {
     /// empty function means that nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns for each sheet (surface within a square of the raster): the area, in px^2, whose radiance exceeds
-/// HighlightRule::above, and whether nearer surfaces hide parts there.
+/// Returns one element for each of mesh.sheets.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets (surfaces within squares of the raster) are built, because an image may need only
@@ -175,12 +170,12 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional. Removes unneeded surfaces from `some`: part number `part`, from the left, of the row of
-    /// squares at raster row y. Called by several threads.
+    /// Optional: removes unneeded surfaces from `some`, part number `part` of the row of squares at y. Called
+    /// by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Appends to `parts`, from left to right, the surfaces of a row of squares that `rows` excludes from
-    /// reading.
+    /// Optional: for a row of squares not read from the file (see `rows`), appends its known surfaces, left
+    /// to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -192,8 +187,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects the highlights again, by a new rule with the same limit `rule.above`. The result is bit-identical
-/// to tree_sheets with the new rule.
+/// Selects highlights by a new rule with the same `above`. The result is bit-identical to tree_sheets with
+/// that rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

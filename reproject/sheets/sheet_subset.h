@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets (surfaces within squares of the raster) whose entry in `wanted` is not 0, in the same
-/// order. Call before take_highlights, because highlights are not copied.
+/// Copies the surfaces with a nonzero entry in `wanted`, in the same order. Call take_highlights afterwards,
+/// not before.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens
