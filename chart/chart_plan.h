@@ -23,8 +23,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number with which the tracer obtains the image's lens diameter. The tracer divides the
-    /// film distance by it, not the focal length.
+    /// Returns the tracer's f-number: film distance / lens diameter. An image's f-number is focal length /
+    /// lens diameter.
     [[nodiscard]] double traced_f_number() const;
 };
 

@@ -24,8 +24,7 @@ struct Range {
     }
 };
 
-// How a method is drawn in plots. Colour-blind readers can distinguish the colours by Okabe and Ito. Marks
-// differ in shape, for greyscale.
+// Colours by Okabe and Ito, for colour-blind readers. Marks of different shape, for greyscale prints.
 struct Style {
     const char* colour;
     int mark, dash;

@@ -40,8 +40,8 @@ struct ChartRequest {
     std::vector<int> spp{1, 4, 16, 64, 256, 1024};
     std::vector<int> views{16, 64, 256};
     std::vector<int> depths{8, 32, 128};
-    /// Each round measures every point once. Points slower than `once_above_s` seconds are measured only in
-    /// the first round.
+    /// Each round times every method and setting once. Those slower than `once_above_s` seconds are timed
+    /// only in the first round.
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
@@ -54,8 +54,8 @@ struct ChartRequest {
     Join join = Join::no;  ///< if not `no`, no point is measured
 };
 
-/// Throws Error(wrong_arguments) if a number in the request is out of range, or if a second reference is
-/// given without a first.
+/// Throws Error(wrong_arguments) if a number is out of range, or if `second_reference` is set without
+/// `reference`.
 void check_chart_request(const ChartRequest& request);
 
 }  // namespace postlens

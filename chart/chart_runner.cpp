@@ -294,7 +294,6 @@ class Runner {
         // the scene is already in memory.
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // A sweep varies the lens, so it is timed only for methods that depend on the lens.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -309,8 +308,7 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. Their lenses differ by a sixth of a stop, because a real sweep varies the
-    // lens.
+    // The lenses of the two timed images differ by 1/6 stop, because a real sweep varies the lens.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

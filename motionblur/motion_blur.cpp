@@ -29,8 +29,7 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted Crossing::most_mse, a pessimistic error bound where moving groups overlap. The measured
-/// PSNR at this limit is at least 45 dB.
+/// Limit for Crossing::most_mse. Below it, the measured PSNR was at least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -48,8 +47,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Shadows and lights may move, so static surfaces can change too. The methods lightfield and auto
-        // therefore average the static pixels over all recorded instants.
+        // Moving shadows and lights change static surfaces too, so their pixels are averaged over all
+        // instants.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -169,8 +168,8 @@ class MotionBlur {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if shading, shadows or reflections may change between recorded instants. Convolution
-    // cannot show this, because it uses only one instant.
+    // Returns true if shadows, reflections or shading may change, which convolution of one instant cannot
+    // show.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -339,7 +338,7 @@ class MotionBlur {
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds moving objects without recorded surfaces, because they may be visible in mirrors and glass.
+    // Adds the moving objects without samples in the file, because they may be visible in mirrors and glass.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);

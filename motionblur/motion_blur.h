@@ -27,8 +27,8 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of instants that method lightfield averages
     std::vector<ObjectPath> paths;  ///< replace the motion that the file states for these objects
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// Part of the image to compute, bit-identical to this part of the whole image. Other pixels are
-    /// undefined. Fractions of pixels in MotionBlurResult refer to this part.
+    /// Only this part of the image is computed, with unchanged bits. Fractions of pixels exclude the
+    /// undefined rest.
     std::optional<Crop> crop;
 };
 

@@ -205,8 +205,7 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// The border of the recorded area may cut off a part of an object. Returns whether `map`, the motion to
-/// another instant, moves this cut into the frame, where the missing part would be visible.
+/// Returns whether `map` moves the missing part of an object, cut off at the border, into the frame.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -217,8 +216,6 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // An object cut off by the border of the recorded area only counts if the motion moves the cut into
-        // the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -356,8 +353,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // A moving camera moves every surface that the frame's border cuts, so each would cause the warning
-        // "overscan". For the method lightfield, the warning "uncovered" already reports the missing parts.
+        // With a moving camera, every surface at the border would warn. Method lightfield warns with
+        // "uncovered" instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

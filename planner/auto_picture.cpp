@@ -24,9 +24,7 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// When the target error is reached, more views are drawn to narrow the error's 95 % confidence interval.
-/// This multiplies the number of views at most by this factor. Without rays, the factor is
-/// `most_narrowing_of_noise`.
+/// Largest factors for the number of views, to narrow the confidence interval: with rays, without rays.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -37,8 +35,7 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Plans the next number of views (images from different lens points) of each tile. Doubles it where this
-/// reduces the error most, until the image's expected mean error is below `wanted_mse`.
+/// Returns the next number of views of each tile, to bring the image's error below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -76,8 +73,6 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles with the most uncertain error of recorded colours. The other tiles contribute at most
-/// `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -101,9 +96,7 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Doubles the number of views (images from different lens points) in some tiles, to narrow the 95 %
-/// confidence interval of the image's error. Returns the new number of views of each tile. All views together
-/// have at most `most_samples` pixels.
+/// Returns the next number of views of each tile, to narrow the 95 % confidence interval of the error.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -147,8 +140,7 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
 
 /// Makes the image by the method `layers`, or returns nothing if drawing 16 views is faster.
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Measured times per recorded surface sample and per addition to a pixel, relative to reprojecting one
-    // pixel of a view (0.1 to 0.4 us).
+    // Measured times per sample and per addition to a pixel. Unit: time to reproject one pixel.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -252,8 +244,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More lens points do not reduce the error of highlights, so the noise need not be much smaller
-            // than this error.
+            // More views do not reduce the error of highlights, so the noise need not be far below it.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -261,8 +252,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // The first time, doubles the lens points of all tiles with an error. With few lens points,
-            // selecting tiles by their inaccurate errors would make the stated interval too narrow.
+            // Few views give inaccurate errors of single tiles, so the first step adds views to all tiles.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

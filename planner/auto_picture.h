@@ -15,9 +15,7 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the sRGB values of the whole image, from 10 to 80 dB. If empty, default_target_db is
-    /// used. If set without a scene, a warning appears when the upper bound of the error,
-    /// AutoResult::bound_mse, is larger than the target allows.
+    /// Wanted PSNR of the image's sRGB values, 10 to 80 dB. If empty, default_target_db.
     std::optional<double> target_db;
 };
 
@@ -39,10 +37,7 @@ struct AutoResult {
     /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
     /// determine. Set only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene, because the error can then not be measured by rays:
-    /// - `noise_mse`: measured noise due to the finite number of lens points
-    /// - `bound_mse`: upper bound of the error due to this noise and to uncertain samples: those at edges,
-    ///   and those without a recorded surface
+    /// Set only without a scene: squared noise, and an upper bound of noise plus errors at edges and gaps.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

@@ -12,16 +12,15 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is blended into a tile. Minimises the estimated squared error
-/// plus `price` times its variance.
+/// Returns the blend weight that minimises squared error + `price` * variance of its estimate.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
     return whole > 0 ? (tile.noise_mse + 2 * price * tile.of_noise) / whole : 0;
 }
 
-/// Chooses the weight with which another image is blended into a tile. Cross-validation over parts of the
-/// tile estimates the error. Otherwise, an image that is good by chance would seem too good.
+/// Chooses the blend weight. Cross-validation measures how much fitting this weight to noise lowers the
+/// measured error.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;
@@ -74,8 +73,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    // By chance, the estimated error may be too small or negative. It is set to at least its own standard
-    // deviation.
+    // By chance, the estimate may be too small or negative, so its standard deviation is a lower bound.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();
@@ -87,8 +85,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The error of the sample file is left out, because it does not depend on the weights of the blended
-    // images.
+    // The error of the sample file is left out, because it does not depend on the blend weights.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);

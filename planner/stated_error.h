@@ -17,7 +17,7 @@ inline constexpr double wanted_interval_db = 2;
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
-    /// Squared error of the tile, without errors that the sample file causes.
+    /// Squared error of the tile, without errors of the sample file.
     [[nodiscard]] double mse(const TileError& measured) const;
 };
 
@@ -37,8 +37,6 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Returns the width, in dB, of the 95 % confidence interval of the image's error. The static overload
-    /// gets another squared error, `mse`, and the variance of its estimate.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
@@ -55,8 +53,8 @@ struct StatedError {
 /// and the mean of infinitely many views. `bias` is the squared error of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight of another image that is blended with the views. Accepts larger errors
-/// for a 95 % confidence interval of at most wanted_interval_db.
+/// Chooses blend weights so that the error's 95 % confidence interval is, if possible, at most
+/// wanted_interval_db wide.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

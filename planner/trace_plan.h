@@ -1,4 +1,4 @@
-// Chooses the settings of a trace from which images for a given lens and shutter reach a target error.
+// Chooses the settings of a trace for a given lens, shutter and target error.
 #pragma once
 
 #include <string>

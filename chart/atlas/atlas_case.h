@@ -12,8 +12,6 @@
 
 namespace postlens {
 
-/// Settings with which the sample file of an atlas case is traced. Absent settings have the values that
-/// follow from `for_view`.
 struct AtlasTrace {
     /// If true, the sample file contains all surfaces that the image's lens and shutter need (best_trace). If
     /// false, the trace has default settings, so hidden surfaces may be missing.
@@ -29,7 +27,6 @@ struct AtlasTrace {
     [[nodiscard]] bool operator==(const AtlasTrace&) const = default;
 };
 
-/// A method that is tested on an atlas case, its settings, and the limits for its error.
 struct AtlasMethod {
     /// Name of the method.
     /// - For a lens: pinhole, scatter, layers, lightfield, hybrid.

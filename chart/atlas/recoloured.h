@@ -9,10 +9,8 @@
 
 namespace postlens {
 
-/// Writes a sample file with the depths and ids of the pixel corners in `file`, without hidden surfaces,
-/// reflections and overscan. A corner's radiance is the mean of the four pixels of `image` around it.
-///
-/// `image` must have the size of the frame. Throws Error.
+/// Writes the surfaces that the pinhole sees directly in `file` to `path`, with colours from `image`, which
+/// must have the frame's size. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -41,7 +41,7 @@ struct ConvolutionTask {
 /// Creates `count` planes of zeros over the window. Throws Error(out_of_memory).
 [[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
-/// Window of the full convolution of two rasters with the windows `a` and `b`.
+/// Returns the bounding box of the convolution of two rasters with the bounding boxes `a` and `b`.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
 [[nodiscard]] CellWindow window_of(const Planes& planes);
 [[nodiscard]] CellWindow window_of(const PathRaster& raster);

@@ -29,9 +29,9 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// The records of one instant, in bands of `band_rows` rows. Only the needed bands are kept in memory.
+/// Reads the samples of one instant in bands of `band_rows` rows, and keeps only the needed bands in memory.
 ///
-/// A band also contains the next band's first row, which holds the records on their common border.
+/// Neighbouring bands share one row of samples.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.

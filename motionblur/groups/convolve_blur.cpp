@@ -15,8 +15,7 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// Weight of the samples on static surfaces, and of those on any surface at this depth or behind. The
-    /// coverage is covered / known.
+    /// Coverage = covered / known. `known` leaves out samples whose stored surfaces are all nearer.
     double covered = 0, known = 0;
 };
 
@@ -176,18 +175,15 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Returns an upper bound of the squared error where one group of moving objects passes in front of another,
-/// summed over pixels. The error of a pixel is the covariance, over time, of the nearer group's coverage and
-/// the farther group's light. A squared covariance is at most the product of both variances.
+/// Returns an upper bound of the summed squared error where one moving group occludes another: variance of
+/// the coverage times variance of the light, for radiances up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // The squared error is at most the product of two variances over time. The variance of the nearer
-            // object's coverage is at most c (1 - c), where c is the mean coverage. The variance of the
-            // farther object's light is at most its mean coverage, for radiances up to 1.
+            // A coverage with the mean c has at most the variance c (1 - c).
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

@@ -25,7 +25,6 @@ struct GroupPicture {
 /// slanted motion paths need a higher resolution, because they are rounded to whole cells.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Returns the window of the cells that may contain a group's records, clipped to `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 

@@ -15,17 +15,13 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the group's passed_box in which a static surface lies within the group's range of
-/// depth. Compositing may order such surfaces wrongly.
+/// Returns the fraction of the area passed by a moving group that contains static surfaces at the group's
+/// depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Decides whether groups[g], a group of moving objects with parallax, must be blurred by the method
-/// lightfield instead of by convolution in depth slices. Returns an empty string if convolution is accurate
-/// enough, and otherwise one of these reasons:
-/// - The parallax exceeds `most_parallax_px`.
-/// - Another object lies in the group's range of depth along its motion path.
-/// - Gaps or overlaps arise between parts of the group while it moves (torn_share).
+/// Returns why a group of moving objects needs the method lightfield instead of convolution. Empty if
+/// convolution is accurate enough.
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);

@@ -182,7 +182,6 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// Returns a path that stays at one position, or nothing if a point is too far from it.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {

@@ -15,10 +15,10 @@ struct VectorBlurSettings {
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
-/// Blurs an image by its motion vectors, as the mean of reprojections to many instants. Uncovered surfaces
-/// are filled from the pixels around them, with the warning "uncovered".
+/// Blurs an image by its motion vectors. Gaps are filled from the pixels around them, with the warning
+/// "uncovered".
 ///
-/// The result is bit-identical for any number of threads, and to the image if nothing moves. Throws
+/// The result is bit-identical for any number of threads. If nothing moves, it equals the image. Throws
 /// Error(wrong_arguments) and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings);
 

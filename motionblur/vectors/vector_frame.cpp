@@ -128,7 +128,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the value of the option --layer that selects the colours of `group`, if any.
+    /// Returns the argument of --layer with which a user would select `group`, if any.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
@@ -143,7 +143,6 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns if the motion vectors may be encoded as colours, where 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;

@@ -14,7 +14,6 @@ constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F
 constexpr int edge = SheetMesh::square_px;
 constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four entries of the matrix W
 
-/// The sheets (connected surfaces) in one square of the raster. Indices refer to these arrays.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -36,8 +35,7 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Bytes needed for the mesh of one stored pixel. The call of require_memory doubles this, because
-        // growing arrays reserve more memory than they use.
+        // Memory per stored pixel, doubled below because growing arrays reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,8 +57,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds one black square of pixels. All squares of the image without stored pixels share it, because
-    /// pixels that the file does not store are black.
+    /// Adds a black square, used for all parts of the image without stored pixels.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});

@@ -21,11 +21,8 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 /// Error(out_of_memory).
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
-/// Returns whether two neighbouring pixels belong to one surface. They do if their motion vectors agree
-/// within 0.25 px.
-///
-/// They also do if the vectors agree within 2 px or a tenth of the longer, and the ids are equal. Without
-/// ids, known depths must agree within 2 %.
+/// Returns whether two neighbouring pixels seem to belong to one surface, by motion vectors, ids and depths
+/// (if `has_z`).
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens

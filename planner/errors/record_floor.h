@@ -1,5 +1,4 @@
-// The record floor: the error that remains in an image with any number of views, because the recorded samples
-// are too far apart. They show which quadtree cells an edge crosses, but not where in a cell.
+// Estimates the error that remains with any number of views, because the samples are sparse at edges.
 #pragma once
 
 #include <span>
@@ -12,12 +11,11 @@
 
 namespace postlens {
 
-/// Returns the number by which the lens's blur divides the squared error of an edge. It is smaller for an
-/// edge `aligned` with the quadtree cells, because errors along it are equal.
+/// Returns the factor by which blur reduces an edge's squared error, smaller if the edge is `aligned` with
+/// the quadtree.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Error of all edges, divided by the error of the edges that are visible in the samples. Fitted to measured
-/// errors.
+/// Factor, fitted to measurements, by which edges that the samples miss increase the squared error.
 inline constexpr double floor_unseen = 1.4;
 
 /// Estimates the squared error of each pixel's sRGB value due to edges. The samples show which quadtree cell
@@ -28,7 +26,6 @@ class RecordFloor {
     /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the undivided quadtree cells that
     /// find_leaves finds there. Several threads may add different rows.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
-    /// Returns a callback that passes the rows of a file to `add`. It keeps a reference to this object.
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
             add(band, y_begin, y_end, leaves);

@@ -36,14 +36,13 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // Number of lens points from which rays check the highlights of every pixel. With fewer lens points, a
-    // proportional fraction of the pixels is checked.
+    // With this many views, rays check every pixel's highlights. With fewer, a proportional fraction of the
+    // pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Selects the `chosen` pixels of the block with the lowest ranks. `step` and pixels() are coprime, so all
-    // ranks differ.
+    // Coprime to pixels(), so that all pixels of a block get different ranks.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;
@@ -56,8 +55,7 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
     const int checked = random_rays_ ? std::max(4, count / 4) : 2;
-    // Rays check the views of consecutive lens points, beginning with a random one. Consecutive lens points
-    // are well distributed over the lens.
+    // Consecutive lens points are well distributed over the lens.
     for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
                                                  static_cast<std::uint64_t>(count)));

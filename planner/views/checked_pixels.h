@@ -20,11 +20,10 @@ class CheckedPixels {
     /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Selects lens points from which pixel (x, y) is compared with a traced ray, out of the points [first,
-    /// first + count) of a set. Appends their indices, relative to `first`, to `out`.
+    /// Appends to `out` the lens points that rays check in pixel (x, y), as indices relative to `first`.
+    /// - `set`, `first`, `count`: chooses among the points [first, first + count) of a set of lens points
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// If pixel (x, y) is selected, rays measure the error of its highlights. Returns the probability of this
-    /// selection, or 0 if the pixel is not selected. The probability increases with `views`.
+    /// Returns the probability that rays check the highlights of pixel (x, y), or 0 if they do not check it.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

@@ -20,7 +20,6 @@ static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile o
 /// scrambles_down * r) % scrambles, so that equal sets are far apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
-/// Blends `count` values of `to`, from index `begin` on, with those of `from`, which get the weight `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;

@@ -22,15 +22,16 @@ namespace postlens {
 /// samples: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
-    /// Ignores `focus.views` and `focus.method` of `settings`. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first of 122 sets of lens points
+    /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
+    /// - `first_set`: number of the first set of lens points; 122 consecutive sets are used
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
     /// halves; half 0 may have one view more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// From now on, rays replace all samples of views in the tiles whose entry in `tiles` is not 0. `what`
-    /// states whether rays also replace the highlights there. Returns whether a tile was redrawn.
+    /// Replaces all samples of the tiles with nonzero `tiles` by rays, now and later. Returns whether a tile
+    /// was redrawn.
+    /// - `what`: whether rays also replace highlights
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -65,8 +66,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the image, the number of rays, and the fraction of the samples within `crop` that rays replaced.
-/// HybridResult::stated stays empty.
+/// Returns the image, the number of rays and the fraction of traced samples. HybridResult::stated stays
+/// empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens
