@@ -45,9 +45,8 @@ struct FocusSettings {
     /// Memory limit, in bytes, for the blurred samples of the methods `scatter` and `layers`. Larger images
     /// are computed in groups of rows, with bit-identical results.
     std::size_t splat_bytes = std::size_t{672} << 20;
-    /// Upper limit of the effort of the method `layers`, as measured by layer_sums(): the number of pixels
-    /// that blurred surfaces reach. If the effort is larger, no image is computed, and FocusResult::image is
-    /// empty.
+    /// Largest allowed number of pixels that blurred surfaces reach, summed over all surfaces. Above it,
+    /// FocusResult::image is empty.
     double most_layer_sums = std::numeric_limits<double>::infinity();
 };
 

@@ -32,8 +32,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns the CoC diameter, in px, of the surface that each pixel shows without blur. It is negative in
-/// front of the focus. If `effect` is not empty, it is multiplied by the pixel's `effect`.
+/// Returns the CoC diameter of each pixel, in px, negative in front of the focus, times the blur strength
+/// `effect`.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -52,8 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Mixes each object's share of a pixel from the blurred image, with the weight `effect` (0 to 1), and the
-/// pinhole image, with the weight 1 - effect.
+/// Blends the coverage of each object between the pinhole image (`effect` 0) and the blurred image (`effect`
+/// 1).
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];

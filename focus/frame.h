@@ -20,14 +20,10 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of a frame at its first recorded instant. `band` contains the surface samples
-/// (records) of these rows and, if the file has them, of the row above and the row below.
-///
-/// If the frame keeps its samples in memory, the following lists have one element per `rows_per_task` rows.
-/// Otherwise they are empty.
-/// - `samples`: the eye rays, with the surfaces that they hit
-/// - `plain`: compact copies of simple eye rays, which hit no mirror or glass and lie at corners of pixels
-///   without smaller quadtree cells
+/// Rows [y_begin, y_end) of the sample file at the first instant. `band` also has the rows above and below.
+/// - `samples`: eye rays and the surfaces hit, one element per `rows_per_task` rows, or empty
+/// - `plain`: compact copies of eye rays that hit no mirror or glass, one element per `rows_per_task` rows,
+///   or empty
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -58,16 +54,15 @@ class FocusFrame {
     /// possibly more. Throws errors of the file reader, and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns the surfaces that the samples of a recorded instant form, cut along a grid of 16 x 16 px
-    /// squares in the image. The result is valid until the next call for this instant.
-    /// - `rule`: selects highlights, whose light above the radiance rule.above is stored separately; this
-    ///   limit must be the same in all calls
+    /// Returns all surfaces at an instant of the sample file, cut along a grid of 16 x 16 px. Valid until the
+    /// next call for this instant.
+    /// - `rule`: selects highlights to store separately; `rule.above` must be the same in all calls
     /// - `also`: receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest w_bend (nonlinearity of motion over the lens, in 1/m^2) of each pixel, at least
-    /// for the rows [y_begin, y_end).
+    /// Returns, for at least these rows, how nonlinearly each pixel's surface moves with the lens point, in
+    /// 1/m^2.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

@@ -1,6 +1,4 @@
-// Finds, for each pixel, the largest w_bend of the surfaces that the pinhole sees. w_bend, in 1/m^2, is
-// stored with each surface sample. It measures the error of linear reprojection of the sample to other lens
-// points.
+// Finds, for each pixel, how nonlinearly the surface moves in the image when the lens point moves, in 1/m^2.
 #pragma once
 
 #include <vector>
@@ -26,7 +24,6 @@ class LargestBends {
     /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
-    /// Returns the largest reprojection error (w_bend, in 1/m^2) of each pixel in row y of the image.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);
     }

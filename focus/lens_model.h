@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Reads the file of the real lens that `settings.impulse` selects, and focuses the lens. Returns nothing if
-/// another kind of impulse response is selected. `recorded` is the range of pixel corners of the recorded
-/// area, with overscan. Throws if the lens cannot be read or focused.
+/// Reads and focuses the real lens in `settings.impulse`, or returns nothing without one. Throws if this
+/// fails.
+/// - `recorded`: range of pixel corners of the traced area, with overscan
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 

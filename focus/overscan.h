@@ -1,4 +1,4 @@
-// Warns about pixels that lack light, because surfaces outside the recorded area would be blurred into them.
+// Warns if blur from surfaces outside the traced area would reach into the image.
 #pragma once
 
 #include <optional>

@@ -62,11 +62,8 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, for each pixel, an upper bound of the fraction of its area that shows empty space after blurring.
-/// Pixels are in rows, from the top.
-///
-/// The bound is 1 for an empty pixel. Otherwise it is the empty area in the square around the pixel's circle
-/// of confusion, divided by the area of the circle. It may exceed 1.
+/// Returns an upper bound of the fraction of each blurred pixel that shows empty space, row by row. It may
+/// exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

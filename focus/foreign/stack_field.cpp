@@ -115,8 +115,8 @@ class Band {
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c)
                 out.image.rgb[3 * k + c] = static_cast<float>(sums_[i].rgba[c] / s_.views);
-            // Vignetting blackens colours, so they are averaged over all lens points. It must not make a
-            // pixel translucent, so alpha is averaged over unblocked lens points.
+            // Alpha is averaged over unblocked lens points only, because vignetting must not make a pixel
+            // translucent.
             const float passed = passed_.empty() ? views : passed_[i];
             const auto alpha = static_cast<float>(sums_[i].rgba[3]);
             out.image.alpha[k] = passed > 0 ? alpha / passed : 1;

@@ -19,15 +19,14 @@ enum class StackValue { colour, alpha };
 /// samples. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// - `with_nothing`: whether to treat empty space as a sharp black surface
+    /// With `with_nothing`, empty space counts as a surface that is black and not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts the samples of a pixel in column `x` to light, and appends the light to `out`.
-    /// - `fills`: whether to treat the last sample as opaque
-    /// - `open`: transmittance of all samples together
+    /// Appends the light of the samples `stack` of a pixel in column `x` to `out`.
+    /// - `fills`: whether the last sample counts as opaque
+    /// - `open`: product of the samples' transmittances
     /// - `behind`: the estimated hidden surface behind the samples, or null
-    /// - `value`: whether to convert the colours or the alphas of the samples
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 

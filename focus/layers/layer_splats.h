@@ -44,26 +44,24 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface at the end of `path`, or for a mask, the mirror or glass before it. Empty stands for
-    /// `surface`.
+    /// The surface at the end of the bounces `path`; for masks, the mirror or glass that shows it. Empty if
+    /// it is `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// A sample to be blurred: its colour, weight and depth, and the number of its blur kernel.
-/// - `r`, `g`, `b`, `weight`: multiplied by the sample's weight
-/// - `depth`: `weight` times the inverse depth 1/z'
+/// A blurred sample: colour, weight, depth, and the number of the blur kernel.
+/// - `r`, `g`, `b`: colour times `weight`
+/// - `depth`: inverse depth times `weight`, in 1/m
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Factor from the position of light, in px from the kernel's centre, to the mean lens point of the
-    /// light, in lens radii.
+    /// Mean lens point, in lens radii, of the light 1 px away from the kernel's centre.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same parallax
-    /// over the lens.
+    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same depth.
     float covered = 0;
 };
 
@@ -73,8 +71,7 @@ struct LayerRun {
     std::uint32_t begin = 0, end = 0;
 };
 
-/// All samples of one surface in one square of 64 x 64 px. They form a group, which is skipped in blocks of
-/// the image that its blur does not reach.
+/// All samples of one surface in a square of 64 x 64 px of the image.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -113,8 +110,8 @@ class LayerSplats {
     /// Adds the samples at the pixel corners of several rows. Eye rays (point samples) that `rows` already
     /// contains are not computed again.
     void add_rows(const FrameRows& rows);
-    /// Places samples at pixel centres instead of corners, for images of other programs. Call it before
-    /// add_pixels. `known` is the range of pixel corners around all pixels with known content.
+    /// Places samples at pixel centres, for images of other programs. Call it before add_pixels.
+    /// - `known`: range of the corners of all pixels with known content
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -125,8 +122,8 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Call it first to compute the image in strips (groups of rows). After finish(), add the rows again that
-    /// begin_strip returns.
+    /// Call it first to compute an image in strips (groups of rows). Then begin_strip returns the rows of
+    /// samples to add again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -155,7 +152,6 @@ class LayerSplats {
     /// of other programs.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
-    /// Returns the range of the colours in the file, to which the result is clamped.
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
 
   private:
@@ -169,7 +165,6 @@ class LayerSplats {
         LayerRun run;
         [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
     };
-    /// The samples of one row of pixels, sorted by surface, square and column.
     struct Row {
         std::vector<LayerPart> parts;
         std::vector<PlacedRun> runs;  ///< PlacedRun::part is an index into `parts`

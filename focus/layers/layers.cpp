@@ -27,8 +27,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // Vignetting leaves only the fraction `open` of each weight. Dividing by `open` restores the weight 1 of
-    // a full pixel.
+    // Dividing by the unvignetted fraction `open` of the lens restores the weight 1 of an opaque pixel.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -46,8 +45,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether it matters through which side of the lens light passes. It matters for surfaces, which are
-/// composited by depth, but not for mirror images in them.
+/// Returns true for surfaces, whose light is composited separately for each side of the lens, not for mirror
+/// images.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
@@ -83,8 +82,6 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// The range [begin, end) of Block::cells (groups of samples) that belongs to one surface, or to one mirror
-/// image.
 struct PartCells {
     const LayerPart* part;
     std::size_t begin, end;
@@ -210,8 +207,6 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Returns whether another surface may overlap this one in the block of pixels. Only then does it matter
-// through which side of the lens light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;

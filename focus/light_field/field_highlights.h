@@ -43,8 +43,8 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) through the lens to highlights. Rays to sharp moving
-    /// highlights may miss them.
+    /// Chooses random rays from the pixel (x, y) to highlights. Rays to sharp moving highlights may miss
+    /// them.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The
@@ -86,9 +86,8 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights whose blur reaches a tile (square of the image). `samples` is the number of
-    /// positions per pixel at which their visibility is computed exactly. If it is 0, their visibility is
-    /// taken from the images that were drawn from single lens points.
+    /// Neighbouring highlights. `samples`: tested positions per pixel, or 0 if the drawn images decide what
+    /// is visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -1,5 +1,5 @@
-// Selects the highlights that are spread by blur kernels in an image that is also corrected by traced rays.
-// The rays must leave these highlights out, so that their light is not counted twice.
+// Chooses the highlights that blur kernels spread in an image with traced rays, so that no light counts
+// twice.
 #pragma once
 
 #include "reproject/patches/patches.h"

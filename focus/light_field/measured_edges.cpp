@@ -29,8 +29,7 @@ constexpr std::size_t finest_rays = 64;
 /// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
 /// squares. All hits in one square are merged into one small highlight.
 constexpr int edge_squares = 8;
-/// Rays measure no highlights if more than this fraction of the pixels with surfaces, and more than
-/// least_measured pixels, contain edges of highlights.
+/// Rays do not trace the outlines of highlights if they cross more pixels than this fraction and this number.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -55,8 +54,8 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// Whether the highlight touches the borders of this part of the pixel: `low` left and upper border,
-    /// `high` right and lower border.
+    /// `low`: the highlight touches the left (x) or upper (y) border of `area`; `high`: the right or lower
+    /// border.
     glm::bvec2 low{false}, high{false};
 };
 
@@ -66,8 +65,7 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels that an edge of the highlights may cross, so that rays can measure them. Leaves out
-    /// pixels where rays cannot improve the result, for example because a highlight is partly hidden.
+    /// Returns the pixels that the outline of the surface may cross, where rays can improve the result.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
     /// Returns the part of a pixel that a highlight may cover, according to the recorded highlights in this
     /// pixel and its eight neighbours.
@@ -92,9 +90,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A highlight may extend from its sample almost to the next sample, which is one quadtree cell
-            // away. `light.area` is the quarter of a cell that belongs to the sample, so the width of the
-            // cell is twice the root of this area.
+            // A highlight may reach almost to the next sample, which is twice the root of `light.area` away.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

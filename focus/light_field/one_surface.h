@@ -22,7 +22,6 @@ struct OneSurface {
     }
     /// Returns the fraction of the image's cells (squares of `edge` x `edge` px) that show a single surface.
     [[nodiscard]] double share() const;
-    /// Returns whether all cells that overlap a rectangle of the image show a single surface each.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
@@ -30,10 +29,10 @@ struct OneSurface {
 /// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
-    /// `lens_px` is the largest |x| and |y| of a lens point, in px m as LensShift::lens_px.
+    /// `lens_px` is the largest |x| and |y| of a lens point, in px per 1/m of inverse depth.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds planar parts of recorded surfaces to the search. `primary` are those seen directly. `deeper` are
-    /// those seen by reflection or transmission, and may be empty.
+    /// Adds planar parts of surfaces: `primary` seen directly, `deeper` in mirrors or through glass (may be
+    /// empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

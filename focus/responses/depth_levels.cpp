@@ -8,8 +8,7 @@
 namespace postlens {
 namespace {
 
-/// Largest difference of CoC diameter between neighbouring depth levels, in px, if the levels are equally
-/// spaced in depth z'.
+/// Largest difference of CoC diameter between neighbouring depth levels with equal steps of depth.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -20,8 +19,7 @@ double clamped_radius_px(double diameter_px) {
 /// Returns how many depth levels, equally spaced in z', keep the rounding error of CoC diameters below half
 /// of linear_step_px. The nearest depth decides, because the diameter changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Rounding z + h to z changes the CoC diameter by gain (1 / z - 1 / (z + h)), where z is the nearest
-    // depth and h half a step. This must be linear_step_px / 2.
+    // Solves gain (1 / z - 1 / (z + h)) = linear_step_px / 2 for the half step h at the nearest depth z.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -95,8 +93,7 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth that lies up to half a step before the first level or after the last level uses this level.
-    // Depths even farther from the levels occur only in reflections and refractions, and have no level.
+    // Depths beyond the levels occur only in reflections and refractions, and have no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

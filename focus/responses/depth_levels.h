@@ -33,12 +33,8 @@ struct DepthRange {
 /// Returns the largest CoC diameter in the range, in px.
 [[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
-/// The depths for which blur kernels are computed. A sample uses the kernel of the nearest of these levels.
-///
-/// If the number K of levels is given, they have equal steps over the finite depths [potmesil1981], of z' or
-/// of 1/z', and one more level is at infinity. Otherwise:
-/// - inverse spacing: the levels of LevelTable, around the focus, where samples are exactly sharp
-/// - linear spacing: enough levels to round the CoC to half a pixel, but at most `most_linear_levels`
+/// The depths for which blur kernels are computed [potmesil1981]. Each sample uses the kernel of the nearest
+/// depth.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
@@ -63,8 +59,8 @@ class DepthLevels {
     /// Returns whether the depth levels become denser towards the focus (LevelTable), instead of being
     /// equally spaced.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// Computes level_of for several inverse depths. `level` must have room for all results. Call it only if
-    /// around_focus() is true.
+    /// Computes level_of for each inverse depth. Requires around_focus() to be true, and room for all results
+    /// in `level`.
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }

@@ -18,8 +18,7 @@ namespace {
 /// value is stored once. Fewer values are stored pixel by pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Radius, in px, of the disc that replaces a blur ellipse whose size is rounded to 0. Its kernel equals that
-/// of a point.
+/// Replaces the radius 0, so that the disc has an area. The kernel equals that of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {
@@ -143,8 +142,6 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // Bits of the cache key: sizes have 17 each, a sign and up to 16000 px in steps of 1/4 px. Cell positions
-    // are clamped to -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -259,8 +256,6 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Some keys became equal by rounding (KernelKey::coarsen). Computes only one blur kernel for them.
-    // `place_of` contains its index in to_build.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

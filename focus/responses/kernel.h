@@ -29,8 +29,8 @@ struct KernelRow {
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Limits blur kernels to the columns [-x, x) and rows [-y, y) around their sample, in px. The limits are so
-/// wide that, from any sample, they contain the whole image.
+/// Kernels are clipped to columns [-x, x) and rows [-y, y) around a sample, in px, which contain the whole
+/// image.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -57,8 +57,8 @@ struct Kernel {
 /// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
 /// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Build a blur kernel, clipped to `reach`. Its values come from the outline of a uniform shape, or from a
-/// grid of values. Coordinates in `outline` and `grid` are relative to the kernel's integer position.
+/// Builds the kernel of a uniform shape or of a grid of values, clipped to `reach`. Coordinates are relative
+/// to the anchor.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -71,8 +71,7 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// A highlight smaller than element k, in px, may use the finer step ellipse_step_px / 4^k, because its
-    /// brightness depends on the size.
+    /// For highlights whose blur radius is below element k, in px, the step may be ellipse_step_px / 4^k.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -83,8 +82,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// Whether the members half_height to map_yy form a 2x2 matrix, in units of step_px(). Only for apertures
-    /// that are not round.
+    /// True if half_height, half_chord, top_displacement and map_yy are a 2x2 matrix, for apertures that are
+    /// not round.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -95,8 +94,7 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Entries of the matrix from lens points to px are rounded to this many bits of the largest entry, so
-    /// that kernels are shared.
+    /// Matrix entries are rounded to this many bits of the largest entry, so that samples share kernels.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -105,7 +103,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns the number of bits of the largest size or matrix entry in the key.
+    /// Returns how many bits the largest size or matrix entry needs, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -145,11 +143,12 @@ class KernelTable {
     /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc whose
     /// centre is an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds all requested blur kernels, in parallel. Call it once, after the last request. If the kernels
-    /// need more than `memory_limit_bytes`, ellipses are rounded more coarsely. Throws Error(out_of_memory).
+    /// Builds all requested kernels, in parallel. Call it once. Ellipses are rounded more coarsely above
+    /// `memory_limit_bytes`. Throws Error(out_of_memory).
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees the memory of the keys. Call it after `build`; number_of must not be called afterwards.
+    /// Frees the memory that number_of uses, so number_of must not be called afterwards. Call it after
+    /// `build`.
     void forget_keys() { number_of_key_ = {}; }
 
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
@@ -163,8 +162,7 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernels are numbered, from 0. The count includes discs that were not requested and
-    /// have no valid kernel.
+    /// Returns the number of kernels, including discs that were not requested and are not valid.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -48,8 +48,6 @@ double diameter_after(double steps) {
 /// SIMD, then the table is read.
 constexpr std::size_t together = 128;
 
-/// Computes the CoC diameter of each depth, in px, and its index in the lookup table of depth levels. The
-/// index is 0 for diameters beyond the table.
 POSTLENS_MULTIVERSION
 void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,

@@ -32,14 +32,8 @@ struct Phases {
     }
 };
 
-/// Returns the positions where the blur kernel of a sample is placed, with weights that add up to the
-/// sample's weight.
-///
-/// A small disc is placed at the sample's position, rounded to 1/16 px. A larger disc is divided among the
-/// nearest positions of a coarser grid, so that fewer kernels are needed.
-///
-/// A sample on the border between pixels may have a different weight in each. If its blur radius is below 2
-/// px, the part of each pixel is placed inside that pixel.
+/// Returns the rounded positions of a sample's blur kernel, with weights that add up to the weight of the
+/// sample.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

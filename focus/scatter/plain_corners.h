@@ -23,19 +23,16 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Compact arrays for samples without reflections, at corners of four undivided pixels: one element per pixel
-/// corner, row by row.
+/// Samples without reflections at corners of undivided pixels: one element per pixel corner, row by row.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// All samples that are not stored compactly, as indices into PointSamples::samples. Those of row i are
-    /// [other_begin[i], other_begin[i + 1]) of `others`.
+    /// Indices into PointSamples::samples of all other samples. Those of row i begin at
+    /// others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {
-        /// Smallest and largest 1/z' of the row's samples at a finite depth, in 1/m. Without any, the
-        /// smallest is larger than the largest.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
         bool negative = false;  ///< some colour is negative
     };

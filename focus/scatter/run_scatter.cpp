@@ -12,8 +12,7 @@ namespace {
 /// Rows of samples that are summed in float before the sums are added in double. With so few rows, the
 /// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Rows of samples that are blurred into a strip of 64 image columns before the next strip. The sums of a
-/// strip then usually stay in the L1 cache.
+/// With so few rows of samples at a time, the sums of 64 image columns usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -44,8 +43,7 @@ struct RowRange {
     int begin, end;
 };
 
-/// Convolves a row of samples with the lower half of a disc kernel. Adds the result below `down`, and
-/// mirrored above `up`.
+/// Adds a row of samples, blurred by half a disc: downwards from `down`, and mirrored upwards from `up`.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -90,8 +88,6 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the weights of a row of samples, blurred by a symmetric disc, below `down` and above `up`. Each
-/// sample has weight 1.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

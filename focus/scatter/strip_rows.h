@@ -39,8 +39,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes what was added for row y. Call it before the row is added again, in the original order.
-    /// Several threads may call it and `add` for different rows.
+    /// Removes all samples of row y, so that they can be added again in the same order. Thread-safe for
+    /// different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
