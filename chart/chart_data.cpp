@@ -273,9 +273,8 @@ std::string chart_markdown(const ChartData& data) {
             data.reference_s, -20 * std::log10(*data.noise_rms));
     if (data.record_floor)
         out += fmt::format(
-            " A pinhole image made from the sample file has a PSNR of {} dB, compared with a pinhole image "
-            "made "
-            "by rays.",
+            " The pinhole image made from the sample file has a PSNR of {} dB; its reference is made by "
+            "rays.",
             db_text(*data.record_floor));
     out += "\n\n| trace | s | million records | MB |\n|---|---|---|---|\n";
     for (const ChartTrace& t : data.traces) {
