@@ -37,7 +37,7 @@ class FieldHighlights {
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     /// Returns an object that adds the highlights to the mean of images from the lens points `views`. The
-    /// returned object keeps a reference to this one.
+    /// returned object keeps references to this one and to `views`.
     /// - `set`: index of the set of lens points, used as random seed
     /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "core/threads.h"
 #include "focus/light_field/field_highlights.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/sheets/sample_surfaces.h"
@@ -42,15 +42,8 @@ constexpr double told_apart_px = 0.3;
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
-              const std::vector<double>& instants)
-        : of_(of), view_count_(views.size()), set_(set) {
-        always_ = {table_edge, nearest_of(views, table_edge, [](std::size_t) { return 0.0; }),
-                   std::vector<std::uint32_t>(views.size())};
-        std::iota(always_.all.begin(), always_.all.end(), 0U);
-        const bool any_moves =
-            std::any_of(of.sources_.begin(), of.sources_.end(), [](const Source& s) { return s.u >= 0; });
-        if (any_moves && instants.size() == views.size()) lay_timed(views, instants);
-    }
+              std::vector<double> instants)
+        : of_(of), views_(views), instants_(std::move(instants)), set_(set) {}
 
     [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
         return of_.reach(x, y, width, height);
@@ -77,11 +70,20 @@ class FieldHighlights::OverViews final : public Lights {
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    void lay_timed(const std::vector<LensViewPoint>& views, const std::vector<double>& instants);
+    /// Tables of the nearest lens points. They are made when a tile first needs them, because the highlights
+    /// of most images reach few tiles.
+    struct Tables {
+        Asked always;
+        std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
+    };
+    [[nodiscard]] Tables make_tables() const;
+    void lay_timed(std::vector<Asked>& timed) const;
     [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
     [[nodiscard]] const Asked& asked(const Source& s) const {
-        if (s.u < 0 || timed_.empty()) return always_;
-        return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
+        // Makes the tables without parallel loops: a thread that waits here must not be needed by one.
+        std::call_once(made_, [this] { tables_ = make_tables(); });
+        if (s.u < 0 || tables_.timed.empty()) return tables_.always;
+        return tables_.timed[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
@@ -103,10 +105,11 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
-    std::size_t view_count_;
+    const std::vector<LensViewPoint>& views_;
+    std::vector<double> instants_;
     int set_;
-    Asked always_;
-    std::vector<Asked> timed_;  ///< per span of the exposure; empty if no highlight moves
+    mutable std::once_flag made_;
+    mutable Tables tables_;
 };
 
 std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
@@ -118,12 +121,13 @@ template <typename Away>
 FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
     const std::vector<LensViewPoint>& views, int edge, const Away& away2) {
     Nearest out(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge));
-    parallel_for(static_cast<std::size_t>(edge), [&](std::size_t row) {
+    std::vector<std::pair<double, std::uint32_t>> by_row;
+    for (std::size_t row = 0; row < static_cast<std::size_t>(edge); ++row) {
         const auto of_cell = [edge](std::size_t i) {
             return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
         };
         const double q_y = of_cell(row);
-        std::vector<std::pair<double, std::uint32_t>> by_row;
+        by_row.clear();
         for (std::uint32_t v = 0; v < views.size(); ++v) {
             const double d = views[v].lens.y - q_y;
             by_row.emplace_back(d * d, v);
@@ -146,24 +150,34 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
             for (std::size_t i = 0; i < to.size(); ++i)
                 to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
         }
-    });
+    }
     return out;
 }
 
-void FieldHighlights::OverViews::lay_timed(const std::vector<LensViewPoint>& views,
-                                           const std::vector<double>& instants) {
+FieldHighlights::OverViews::Tables FieldHighlights::OverViews::make_tables() const {
+    Tables out;
+    out.always = {table_edge, nearest_of(views_, table_edge, [](std::size_t) { return 0.0; }),
+                  std::vector<std::uint32_t>(views_.size())};
+    std::iota(out.always.all.begin(), out.always.all.end(), 0U);
+    const bool any_moves =
+        std::any_of(of_.sources_.begin(), of_.sources_.end(), [](const Source& s) { return s.u >= 0; });
+    if (any_moves && instants_.size() == views_.size()) lay_timed(out.timed);
+    return out;
+}
+
+void FieldHighlights::OverViews::lay_timed(std::vector<Asked>& timed) const {
     for (int span = 0; span < spans; ++span) {
         const double middle = (span + 0.5) / spans;
         const auto away2 = [&](std::size_t v) {
-            const double away = lens_radii_of_open * (instants[v] - middle);
+            const double away = lens_radii_of_open * (instants_[v] - middle);
             return away * away;
         };
-        std::vector<std::uint32_t> order(views.size());
+        std::vector<std::uint32_t> order(views_.size());
         std::iota(order.begin(), order.end(), 0U);
         std::stable_sort(order.begin(), order.end(),
                          [&](std::uint32_t a, std::uint32_t b) { return away2(a) < away2(b); });
         order.resize(std::min(order.size(), std::max(least_of_span, order.size() / spans)));
-        timed_.push_back({timed_edge, nearest_of(views, timed_edge, away2), std::move(order)});
+        timed.push_back({timed_edge, nearest_of(views_, timed_edge, away2), std::move(order)});
     }
 }
 
@@ -210,7 +224,7 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
         order.push_back(n);
         samples += cost(out[n]);
     }
-    auto left = static_cast<double>(std::max(least_drawn, view_count_));
+    auto left = static_cast<double>(std::max(least_drawn, views_.size()));
     const int each = samples * drawn_samples.size() <= left ? static_cast<int>(drawn_samples.size()) : 1;
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return group(out[a]).light > group(out[b]).light; });
