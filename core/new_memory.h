@@ -18,7 +18,7 @@ void reserve_by_all(std::vector<T>& values, std::size_t count) {
     const bool is_new = values.empty() && values.capacity() < count;
     values.reserve(count);
     const std::size_t bytes = count * sizeof(T), tasks = bytes / task_bytes;
-    if (!is_new || tasks < 4) return;
+    if (!is_new || tasks < 2) return;
     auto* const memory = reinterpret_cast<volatile unsigned char*>(values.data());
     parallel_for(tasks, [&](std::size_t task) {
         for (std::size_t i = task * task_bytes; i < (task + 1) * task_bytes; i += page_bytes) memory[i] = 0;

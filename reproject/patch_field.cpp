@@ -409,8 +409,16 @@ class Field {
 }  // namespace
 
 PatchPicture::PatchPicture(int width, int height) : image(width, height) {
-    unknown.assign(image.rgb.size() / 3, 1);
-    unknown_below.assign(unknown.size(), 0);
+    unknown.resize(image.rgb.size() / 3);
+    unknown_below.resize(unknown.size());
+    std::fill(unknown.begin(), unknown.end(), 1.0F);
+}
+
+void PatchPicture::clear() {
+    for (std::vector<float>* values : {&image.rgb, &unknown_below, &traced, &light_square})
+        std::fill(values->begin(), values->end(), 0.0F);
+    std::fill(unknown.begin(), unknown.end(), 1.0F);
+    std::fill(touched.begin(), touched.end(), std::uint8_t{0});
 }
 
 void patch_field(const PatchField& field, std::span<PatchPicture> out) {

@@ -187,6 +187,8 @@ struct PatchPicture {
     PatchPicture() = default;
     /// All pixels black and unknown.
     PatchPicture(int width, int height);
+    /// Makes all pixels black and unknown.
+    void clear();
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here

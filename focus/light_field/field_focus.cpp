@@ -246,7 +246,8 @@ FieldFocus FieldFocuser::draw(const FieldViews& views) const {
     return std::move(draw(std::span(&views, 1)).front());
 }
 
-std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) const {
+std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
+                                           std::vector<FieldFocus> reuse) const {
     const Prepared& p = *prepared_;
     const FocusGeometry& g = settings_.geometry;
     const RasterWindow& window = settings_.window;
@@ -286,7 +287,14 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
     std::vector<PatchPicture> seen;
     seen.reserve(pictures);
-    for (std::size_t i = 0; i < pictures; ++i) seen.emplace_back(window.width(), window.height());
+    for (std::size_t i = 0; i < pictures; ++i) {
+        if (i < reuse.size() && !reuse[i].image.rgb.empty()) {
+            seen.push_back(std::move(reuse[i]));
+            seen.back().clear();
+        } else {
+            seen.emplace_back(window.width(), window.height());
+        }
+    }
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);

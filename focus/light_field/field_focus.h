@@ -96,8 +96,9 @@ class FieldFocuser {
     /// number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
     /// Draws the images of several sets of lens points together, which is faster than drawing one after the
-    /// other.
-    [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
+    /// other. The memory of the images `reuse`, which have the same size, is used again.
+    [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets,
+                                               std::vector<FieldFocus> reuse = {}) const;
 
   private:
     struct Prepared;

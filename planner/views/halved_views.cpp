@@ -105,15 +105,15 @@ void HalvedViews::draw(const std::vector<int>& views) {
         }
     }
     if (sets.empty()) return;
-    std::vector<FieldFocus> drawn = focuser_->draw(sets);
-    for (std::size_t half = 0; half < drawn.size(); ++half) take(std::move(drawn[half]), half, views);
+    spare_ = focuser_->draw(sets, std::move(spare_));
+    for (std::size_t half = 0; half < spare_.size(); ++half) take(spare_[half], half, views);
     for (std::size_t t = 0; t < views.size(); ++t) views_[t] = std::max(views_[t], views[t]);
 }
 
-void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<int>& views) {
+void HalvedViews::take(FieldFocus& drawn, std::size_t half, const std::vector<int>& views) {
     FieldFocus& to = halves_[half];
     if (to.image.rgb.empty()) {
-        to = std::move(drawn);
+        to = std::exchange(drawn, {});
         return;
     }
     parallel_for(static_cast<std::size_t>(grid_.height), [&](std::size_t row) {

@@ -51,7 +51,7 @@ class HalvedViews {
     [[nodiscard]] static int of_half(int views, std::size_t half) {
         return half == 0 ? (views + 1) / 2 : views / 2;
     }
-    void take(FieldFocus&& drawn, std::size_t half, const std::vector<int>& views);
+    void take(FieldFocus& drawn, std::size_t half, const std::vector<int>& views);
 
     FieldFocusSettings by_field_;
     TileGrid grid_;
@@ -64,6 +64,7 @@ class HalvedViews {
     std::vector<int> views_;
     std::vector<LeftToRays> left_;
     std::array<FieldFocus, 2> halves_;
+    std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
 /// Returns the image, the number of rays and the fraction of traced samples. HybridResult::stated stays
