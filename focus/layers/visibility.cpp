@@ -145,7 +145,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // A function with values from 0 to 1 and the mean A has a tilt of at most A (1 - A).
+        // Limits `free.tilt`, which shows on which side of the lens the uncovered part lies. If this part has
+        // the area A, as a fraction of the lens, the length of the tilt is at most A (1 - A).
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

@@ -115,8 +115,8 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if depths change so little that such changes over a whole ramp make no edge: (1 + 1 /
-    /// 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if depths change so little between two neighbours that such changes over a whole ramp make no
+    /// edge: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -127,8 +127,7 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // Skips pixels without a depth edge nearby: depths change little over the length of the longest
-            // ramp.
+            // Most pixels are far from an edge, so no length needs to be tried.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
