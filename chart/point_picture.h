@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// Makes the images that a chart compares with the reference.
+/// Makes the images whose errors a chart compares. Its functions write the fraction of the image that is
+/// computed by rays to `retraced`, and short names of warnings to `warnings`.
 class PointPictures {
   public:
     /// Keeps references to all arguments.
@@ -24,8 +25,8 @@ class PointPictures {
     /// the file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes the image with the method and settings in `p`, for the given lens, from the open sample file
-    /// `frame`.
+    /// Makes the image for a data point of the chart, i.e. by its method with its settings. Uses the given
+    /// lens and the open sample file `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -159,6 +159,8 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
+    // Throws only for sample files, which already describe their camera. For files of other formats, the
+    // reader later throws a clearer error than this one.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -218,8 +220,9 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // With a lens prescription, the simulated focal length differs from that of the camera that rendered the
-    // image.
+    // `choice` describes the camera that rendered the input image. With a lens prescription (a real lens),
+    // `lens` contains the focal length of the simulated lens. This is not that of the camera, so it is not
+    // copied.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
