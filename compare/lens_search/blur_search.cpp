@@ -17,8 +17,8 @@ constexpr double narrowest_coc_px = 0.7;
 /// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
 /// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels on which lenses are compared. Tested apertures differ by about 10 %, so more
-/// precision is not needed.
+/// Largest number of pixels on which the lenses are compared. More pixels would not find a better lens,
+/// because the apertures of the tested lenses differ by about 10 % anyway.
 constexpr std::size_t most_pixels = 12000;
 /// Residuals above this limit count linearly. Beside depth edges, the blur model's own errors are about as
 /// large.
@@ -150,8 +150,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // Tested apertures blur the farthest depth by 0.7 px to a quarter of the image width if the nearest depth
-    // is in focus. Inverse focus distances span the scene's inverse depths, extended at each end by half
+    // Each tested aperture is given by its blur over the scene's depth range: 0.7 px to a quarter of the
+    // image width. Inverse focus distances span the scene's inverse depths, extended at each end by half
     // their range.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {

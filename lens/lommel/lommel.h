@@ -6,12 +6,12 @@
 
 namespace postlens {
 
-/// Returns the diffraction intensity at defocus u and radius v (optical units), relative to the peak in focus
-/// [born1999, 8.8.1]:
+/// Returns the diffraction intensity at defocus u and radius v, in optical units [born1999, 8.8.1]. It is
+/// relative to the peak in focus:
 ///
 ///     I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2
 ///
-/// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12.
+/// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12, and below 1e-9 of the peak at defocus u.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
 /// Returns the intensity of `lommel_intensity` by Gauss-Legendre quadrature, in O(u + v) steps. Used for
@@ -22,7 +22,8 @@ namespace postlens {
 /// O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
-/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u:
+/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u: (2 / pi) v
+/// / (v^2 - u^2). This mean over diffraction fringes is derived from Lommel's functions for large v.
 ///
 ///     (2 / pi) v / (v^2 - u^2)
 ///

@@ -17,12 +17,14 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
 /// distance `x` from the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // At smaller distances from the kernel's centre, the energy flow through a pixel border is negligible.
+    // The energy that flows through a pixel border is proportional to the border's distance |x| from the
+    // centre. Below this distance, it is negligible.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // The energy flow through the border is the integral of L x / (2 pi r^2) over y, with the energy L within
-    // radius r. Substitutes y = x sinh t.
+    // Flow of energy through the pixel border at constant x: the integral of L x / (2 pi r^2) over y. r is
+    // the distance from the kernel's centre, and L the energy within radius r. Substituting y = x sinh t
+    // gives the integral of L / (2 pi cosh t) over t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
     // fringes. If 64 panels do not suffice, the fringes need not be resolved.
@@ -46,8 +48,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, with the energy L within r. Times x, it is the energy flow per
-/// px through a pixel border at x.
+/// Table of L / (2 pi r^2) over the radius r, where L is the energy within r. If all energy flows outwards
+/// from the centre, x times this value flows through each px of a pixel border at constant x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -71,9 +73,9 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy that flows through a pixel border parallel to the y axis. The energy L(r) within
-/// radius r is treated as flowing outwards through the circle of radius r. This is L(r) / (2 pi r) per px of
-/// the circle. So the net outflow of a pixel is its energy.
+/// Computes the energy that flows through a pixel border parallel to the y axis. All energy is imagined to
+/// flow outwards from the centre and to stay in the pixel where it lands. At radius r, L(r) / (2 pi r) then
+/// flows through each px, where L is the energy within r.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -104,8 +106,8 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes how much energy flows through each pixel border. A pixel's energy is what flows out through its
-/// borders minus what flows in. If the kernel is centred on a pixel's corner or centre, its quadrants are
+/// Computes how much energy flows through each pixel border, because a pixel's energy is the difference
+/// between inflow and outflow. If the kernel is centred on a pixel's corner or centre, its quadrants are
 /// equal, so only one is computed.
 class Borders {
   public:
@@ -147,8 +149,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The table of energy over radius must reach the corners of a square around the grid. Smoothing the
-    // diffraction fringes needs 4 smoothing_px more.
+    // Energy per pixel is computed in a square around the grid, so the table of energy over radius must reach
+    // the square's corners. Averaging diffraction fringes needs 4 smoothing_px more.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -15,19 +15,22 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths up to the given one or that of the focus, and angles up to `widest_tangent`.
-    /// Responses of nearer points are extrapolated.
+    /// Precomputes impulse responses. Inverse depths end at the given one or the inverse focus distance,
+    /// whichever is larger. Angles from the axis end at the tangent `widest_tangent`. Beyond the last depth,
+    /// responses grow linearly in size; beyond the last angle, they stay constant.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the radius of the blur kernels at an inverse depth, divided by the film
-    /// distance.
+    /// Returns an upper bound of the radius of the impulse responses of all points at an inverse depth. The
+    /// radius is the largest distance of a ray's landing point from the point's pinhole image, divided by the
+    /// film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the blur kernel changes over the image: px of a ray's displacement
-    /// per px of image position.
+    /// Returns an upper bound of how fast the impulse response changes over the image, for points at one
+    /// inverse depth. The change is a ray's shift relative to the point's pinhole image, divided by the shift
+    /// of that image.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

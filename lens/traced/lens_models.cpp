@@ -183,8 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // A ray that only the model or only the traced lens transmits is compared with the nearest ray in the
-    // pupil that both transmit.
+    // A ray that passes only the model or only the traced lens cannot be compared with itself. Its error is
+    // its distance, on the film, from a ray that passes both: the nearest one in the pupil.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -33,8 +33,8 @@ struct ModelRay {
 /// point (u, v) and the field T. u and v are in pupil radii, with v along the field. T is the field tangent
 /// divided by the largest one.
 inline constexpr std::size_t pupil_terms = 13;
-/// The polynomial lens model has each term twice: as it is, and multiplied by the normalised defocus 1/z' -
-/// 1/s (depth z', focus distance s).
+/// The polynomial lens model has each term twice: as it is, and multiplied by the defocus K. K is 1/z' - 1/s
+/// for depth z' and focus distance s, divided by its largest value.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
 /// In the polynomial lens model, the pupil is the intersection of three circles. This is one of them, in
@@ -69,11 +69,11 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a_m to b_m (may be infinite), in equal steps of inverse depth, and `count`
-/// field tangents from 0.
-/// - field_mm: distance from the film centre at which the chief ray of the largest tangent lands
+/// Returns `count` depths from a_m to b_m, in equal steps of inverse depth; b_m may be infinite. Also returns
+/// `count` field tangents from 0 on. The chief ray of the largest tangent lands `field_mm` from the film
+/// centre.
 ///
-/// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
+/// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands there.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -84,8 +84,8 @@ class LensModels {
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
     /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent`
-    /// give the object point, and `pupil_mm` the ray's point in the pupil. Call set_polynomial before using
-    /// the polynomial model.
+    /// give the object point, and `pupil_mm` the ray's point in the pupil. The polynomial model must be set
+    /// with `set_polynomial` before.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
     /// Returns the error of a lens model: the RMS distance on the film, in mm, between its landing points and
@@ -95,8 +95,8 @@ class LensModels {
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through pupil point p
-    /// lands, relative to the chief ray, at
+    /// Coefficients of the thick-lens model. A ray from an object at depth z' (m) through the pupil point p
+    /// lands on the film at the point
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

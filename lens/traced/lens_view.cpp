@@ -14,7 +14,8 @@ namespace {
 
 /// Number of points of the distortion curve. Cubic interpolation then has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
+/// A field tangent (tangent of the angle from the axis) close to 0. The paraxial image scale, in mm on the
+/// film per unit of tangent, is measured with it.
 constexpr double small_tangent = 1e-4;
 
 // Returns how far from the film centre the ray through the stop's centre lands, or a negative number if it is
@@ -73,6 +74,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
+// Returns the mean weight of the rays that can reach one film point. Each point (u, v) of the unit square
+// selects a ray, and blocked rays have weight 0. For integration, the region of passing rays is divided into
+// triangles around its centre.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -136,8 +140,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The lens rotates the image on the film by 180 degrees, so x changes its sign. The sign of y changes
-    // twice, because y points down on the raster but up on the film.
+    // The lens rotates the image on the film by 180 degrees, so x changes its sign. y also changes its sign a
+    // second time, because it points down on the raster and up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

@@ -75,8 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // No ray passes the lens, which is an error. To name a surface at which light ends in the message,
-        // traces a ray at 0.7 of the pupil radius.
+        // Here no ray passes the lens. The error message below names a surface at which light ends: for a ray
+        // at 0.7 of the pupil radius.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -91,8 +91,9 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // Focusing moves the entrance pupil, but not the pinhole from which the object's depth and tangent are
-    // measured.
+    // The object point is given by its depth and tangent from the pinhole, which stays in place when the lens
+    // moves for focusing. The entrance pupil moves with the lens, so the direction from a near point to the
+    // pupil changes.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -128,9 +129,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle. So the search for the ray through the
-    // stop's centre can fail. It is then repeated for field angles that increase in steps from 0, each time
-    // from near the last result.
+    // In a wide-angle lens, the pupil moves with the field angle, so the search from the pupil's centre can
+    // fail. Then the field angle is increased in steps from 0, and each search starts near the last result.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -198,8 +198,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The distances of object and image from the focal points have the product n' efl^2 (index n'), so their
-    // sum is at least 2 sqrt(n') efl.
+    // x and x' are the distances of the object and the image from the focal points, and n' is the index
+    // behind the lens. Because x x' = n' efl^2, x + x' is at least 2 sqrt(n') efl. Moving the lens cannot
+    // focus nearer objects.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {

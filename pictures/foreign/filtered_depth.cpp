@@ -169,8 +169,9 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A ramp (run of pixels with mixed depths) changes clearly at both ends. A flat end belongs to the
-        // surface beside it.
+        // A ramp is a run of pixels in which a filter mixed the depths of two surfaces. If the depth hardly
+        // changes at one end of the run, the last pixel belongs to the surface beside the ramp, so this is
+        // not the ramp's end.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -192,8 +193,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // Prefers the search, along row or column, that found the larger depth difference: along an edge, a
-        // row may contain only mixed depths.
+        // A pixel with mixed depths may be found along its row and along its column. Keeps the result in
+        // which the two surfaces' depths differ more, because a row along an edge may have only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -13,8 +13,9 @@
 namespace postlens {
 namespace {
 
-/// Search radii, in px, for pixels that show one surface. Filtered depths need the larger one, because a
-/// filter also mixes neighbouring pixels.
+/// Pixels that show several surfaces are divided with the help of nearby pixels that show only one of these
+/// surfaces. These are the search radii, in px. The larger one is for depths averaged by a filter, which
+/// affects neighbouring pixels, too.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
@@ -35,8 +36,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this portion of the pixel shows empty space. This is so if the nearby pixels from which its
-    /// colour was taken have no colour and no alpha.
+    /// True if this portion of the pixel shows empty space. Then the nearby pixels from which its colour was
+    /// taken have no colour and no alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
