@@ -53,9 +53,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Both flags are set only if a second reference is given. The first is true if the image equals one of
-    // the two references. The second is true if the references are equal, so that the noise cannot be
-    // measured.
+    // `image_is_a_reference`: the image equals one of the two references. `references_are_equal`: the
+    // references equal each other, so they show no noise. Both are set only if a second reference is given.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 
@@ -73,8 +72,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line of text for each limit that is not met. If any limit is set, NaNs or infinities at pixels
-/// where the reference is finite add one line.
+/// Returns one line of text for each limit that is not met. If any limit is set, NaNs or infinities of the
+/// image add one line, unless the reference is not finite at the same pixels, either.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

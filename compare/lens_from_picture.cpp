@@ -26,7 +26,7 @@ constexpr std::size_t block_px = 16;
 /// shows no blur.
 constexpr double least_spread = 1e-3;
 /// Largest accepted difference between the given image and the image of the fitted lens, as a fraction of the
-/// given image's contrast. It is about 0.1 if the records show the same view as the image, and almost 1 if
+/// given image's contrast. It is about 0.1 if both show the scene from the same viewpoint, and almost 1 if
 /// not.
 constexpr double most_left = 0.5;
 /// A fitted lens is rejected unless it reduces the error of the sharp pinhole image to this fraction or less.
@@ -208,8 +208,8 @@ bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
 }
 
 /// Returns at most `most` of the lenses `matches`, as starting points for the fit. Omits lenses similar to a
-/// better one. Then computes each lens's image accurately, sorts by its error, and omits lenses with more
-/// than 1.5 times the smallest error.
+/// better one. Then computes each lens's image accurately, sorts by the image's error, and omits lenses with
+/// more than 1.5 times the smallest error.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;

@@ -17,7 +17,7 @@ using glm::dvec2;
 /// has a radius above 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
-/// random lens points are chosen.
+/// random lens points are drawn.
 constexpr double fine = 1e-5;
 
 /// Inverts a cumulative distribution whose last value is 1. Returns the interval that contains u, and u's
@@ -80,9 +80,9 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Bounds the distance of the outline from the lens centre. A polygon that replaces a circle keeps the
-        // circle's area. So its corners lie outside the circle, by less than 1.5 % for tolerances up to 0.02
-        // lens radii.
+        // Upper bound of the outline's distance from the lens centre, in lens radii. A polygon that replaces
+        // a circle keeps the circle's area. So its corners lie outside the circle, by less than 1.5 % for
+        // tolerances up to 0.02 lens radii.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {

@@ -189,12 +189,12 @@ double rim_of(const Aperture& aperture) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // A ray at rho lens radii from the lens centre lands |R rho + S rho^3| px from the central ray. R stands
-    // for `radius_px`, and S for `spherical_px`.
+    // A ray at rho lens radii from the lens centre lands |R rho + S rho^3| px from the ray through the
+    // centre. R stands for `radius_px`, and S for `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Rays through the rim of the lens usually land farthest from the central ray. If defocus and spherical
-    // aberration have opposite signs, rays through an inner zone may land even farther.
+    // Rays through the rim of the lens usually land farthest from the ray through its centre. If defocus and
+    // spherical aberration have opposite signs, rays through an inner zone may land even farther.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -203,8 +203,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // Tolerance of the outline. With cat's-eye vignetting, it is 0.02 px: the true outline varies by about as
-    // much between the neighbouring pixels that share one blur kernel.
+    // With cat's-eye vignetting, neighbouring pixels share one blur kernel, although the true outline differs
+    // slightly between them. So it would be useless to compute the outline more precisely than to 0.02 px.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

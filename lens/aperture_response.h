@@ -46,8 +46,9 @@ inline constexpr double smallest_response_px = 1e-4;
 /// cat's-eye vignetting.
 [[nodiscard]] double rim_of(const Aperture& aperture);
 
-/// Returns the blur kernel's radius: the largest distance, in px, between the landing point of the lens's
-/// central ray and a point that receives light. `radius_px` is the signed radius of the circle of confusion.
+/// Returns the blur kernel's radius: the largest distance, in px, from the landing point of the ray through
+/// the lens centre to a point that receives light. `radius_px` is the signed radius of the circle of
+/// confusion.
 ///
 /// With spherical aberration, the result is exact, whereas largest_reach_px returns only an upper bound.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);

@@ -1,5 +1,5 @@
-// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. For this, converts
-// lens lengths (mm) and scene lengths (m) to pixels.
+// Converts a shift of the viewpoint on the lens to the shift of a scene point's image. Lens lengths in mm and
+// scene lengths in m are converted to pixels.
 #pragma once
 
 #include <glm/glm.hpp>

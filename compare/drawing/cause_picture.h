@@ -10,8 +10,8 @@ namespace postlens {
 /// which colour-blind readers can distinguish.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
-/// Marks the pixels of a wrong image, over the grey reference. Each pixel's colour stands for the cause of
-/// its error. Returns scene-linear values for `write_image`.
+/// Draws where an image is wrong, over the grey reference. The colour of a pixel stands for the cause of its
+/// error. Returns scene-linear values for `write_image`.
 [[nodiscard]] Image cause_picture(const CauseMap& map, const Image& reference);
 
 }  // namespace postlens

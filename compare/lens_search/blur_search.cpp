@@ -150,8 +150,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // Each tested aperture is given by its blur over the scene's depth range: 0.7 px to a quarter of the
-    // image width. Inverse focus distances span the scene's inverse depths, extended at each end by half
+    // Tested apertures blur the farthest depth by 0.7 px to a quarter of the image width if the nearest depth
+    // is in focus. Inverse focus distances span the scene's inverse depths, extended at each end by half
     // their range.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {

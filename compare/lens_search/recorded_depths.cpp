@@ -12,8 +12,8 @@ constexpr int rows_per_band = 64;
 /// A pixel is a depth edge if circles of confusion of its nearest and farthest depth differ by at least this
 /// many px in diameter.
 constexpr double edge_px = 1;
-/// Margin, in px, added to the radius of a circle of confusion. Light may travel between any two points of
-/// two pixels, which adds half a diagonal of each pixel: 1.41 px.
+/// Margin, in px, added to the radius of a circle of confusion. Light may travel from one corner of a pixel
+/// to a corner of another pixel, which adds half a diagonal of each: 1.41 px in total.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {

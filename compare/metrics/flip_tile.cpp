@@ -33,8 +33,8 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps so that positive ones sum to `share`, and negative ones to -share. `share` is the weight of
-// the filter if the results of several filters are added.
+// Scales the taps of a filter so that positive ones sum to `share`, and negative ones to -share. `share` is
+// the weight of the filter if the results of several filters are added.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);

@@ -12,9 +12,9 @@ namespace postlens {
 /// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Taps of the contrast sensitivity filters. The blue-yellow filter is the sum of filters 1 and 2, both
-    /// Gaussian. The taps of its two column filters sum to the Gaussians' weights in this sum; all other taps
-    /// sum to 1.
+    /// Taps of the contrast sensitivity filters. The blue-yellow filter adds two Gaussians, 1 and 2. The taps
+    /// of their column filters sum to the Gaussians' weights in this sum; the taps of all other filters sum
+    /// to 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// Filters that detect edges and points: a Gaussian and its two derivatives. A derivative's positive taps
@@ -33,8 +33,8 @@ class FlipDisplay {
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
         const float v = (x * (n2_ * x + n1_)) / (x * (d2_ * x + d1_) + d0_);
-        // For very bright x, x * x becomes infinite and v is NaN. Then v < 1 is false, and the result is 1
-        // (white).
+        // For very bright values, the tone curve overflows: infinity / infinity is a NaN. Then v < 1 is
+        // false, and the result is 1 (white).
         return v < 1 ? v : 1.0F;
     }
 

@@ -14,7 +14,7 @@ namespace postlens {
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Upper bound, as a root mean square, of the bias of this estimate. The bias arises because the
+    /// Upper bound, as a root mean square, of the bias of the estimated error. The bias arises because the
     /// nonlinear sRGB encoding shifts the mean of noisy values.
     double bias_rms = 0;
     /// Ends of the confidence interval of the image's RMS error: two standard errors below and above the

@@ -22,8 +22,7 @@ namespace postlens {
 /// O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
-/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u: (2 / pi) v
-/// / (v^2 - u^2). This mean over diffraction fringes is derived from Lommel's functions for large v.
+/// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u:
 ///
 ///     (2 / pi) v / (v^2 - u^2)
 ///

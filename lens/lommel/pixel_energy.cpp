@@ -17,14 +17,14 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
 /// distance `x` from the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // The energy that flows through a pixel border is proportional to the border's distance |x| from the
-    // centre. Below this distance, it is negligible.
+    // A pixel's energy is computed from the flow of energy through its borders. The flow is proportional to
+    // the border's distance |x| from the kernel's centre. Below this distance, it is negligible.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // Flow of energy through the pixel border at constant x: the integral of L x / (2 pi r^2) over y. r is
-    // the distance from the kernel's centre, and L the energy within radius r. Substituting y = x sinh t
-    // gives the integral of L / (2 pi cosh t) over t.
+    // Energy is treated as flowing outwards from the kernel's centre. Through the pixel border at constant x
+    // flows the integral of L x / (2 pi r^2) over y. r is the distance from the centre, and L the energy
+    // within radius r. Substituting y = x sinh t gives the integral of L / (2 pi cosh t) over t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
     // fringes. If 64 panels do not suffice, the fringes need not be resolved.
@@ -48,8 +48,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, where L is the energy within r. If all energy flows outwards
-/// from the centre, x times this value flows through each px of a pixel border at constant x.
+/// Table of L / (2 pi r^2) over the radius r, where L is the energy within r. If this energy flows outwards
+/// through the circle of radius r, a pixel border at constant x receives x times this value per px.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -73,9 +73,9 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy that flows through a pixel border parallel to the y axis. All energy is imagined to
-/// flow outwards from the centre and to stay in the pixel where it lands. At radius r, L(r) / (2 pi r) then
-/// flows through each px, where L is the energy within r.
+/// Computes the energy that flows through a pixel border parallel to the y axis. The energy L(r) within
+/// radius r is treated as flowing outwards through the circle of radius r. This is L(r) / (2 pi r) per px of
+/// the circle. So the net outflow of a pixel is its energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -106,8 +106,8 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes how much energy flows through each pixel border, because a pixel's energy is the difference
-/// between inflow and outflow. If the kernel is centred on a pixel's corner or centre, its quadrants are
+/// Computes how much energy flows through each pixel border. A pixel's energy is what flows out through its
+/// borders minus what flows in. If the kernel is centred on a pixel's corner or centre, its quadrants are
 /// equal, so only one is computed.
 class Borders {
   public:

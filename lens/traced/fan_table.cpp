@@ -70,7 +70,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
     // Beyond the table's range of depths, only the rays' landing points on the film are extrapolated. The
-    // rays' positions in the pupil, and their light, change little with depth and keep their last values.
+    // rays' positions in the pupil, and their light, change little with depth, so the values at the end of
+    // the table are used.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

@@ -15,9 +15,10 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Precomputes impulse responses. Inverse depths end at the given one or the inverse focus distance,
-    /// whichever is larger. Angles from the axis end at the tangent `widest_tangent`. Beyond the last depth,
-    /// responses grow linearly in size; beyond the last angle, they stay constant.
+    /// Precomputes impulse responses for a range of inverse depths and of angles from the axis. The range
+    /// ends at the given inverse depth or the inverse focus distance, whichever is larger, and at the tangent
+    /// `widest_tangent`. Beyond the last depth, responses grow linearly in size; beyond the last angle, they
+    /// stay constant.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
@@ -29,8 +30,8 @@ class FanTable {
     /// film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Returns an upper bound of how fast the impulse response changes over the image, for points at one
-    /// inverse depth. The change is a ray's shift relative to the point's pinhole image, divided by the shift
-    /// of that image.
+    /// inverse depth. If a point's pinhole image moves by 1 px, its rays land at most this many px from where
+    /// the same shift would move them.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -183,8 +183,9 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // A ray that passes only the model or only the traced lens cannot be compared with itself. Its error is
-    // its distance, on the film, from a ray that passes both: the nearest one in the pupil.
+    // A ray that passes only the model or only the traced lens has just one landing point on the film. Its
+    // error is the distance from there to the landing point of another ray: the nearest one in the pupil that
+    // passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -84,8 +84,8 @@ class LensModels {
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
     /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent`
-    /// give the object point, and `pupil_mm` the ray's point in the pupil. The polynomial model must be set
-    /// with `set_polynomial` before.
+    /// give the object point, and `pupil_mm` the ray's point in the pupil. Call set_polynomial before using
+    /// the polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
     /// Returns the error of a lens model: the RMS distance on the film, in mm, between its landing points and
@@ -95,8 +95,8 @@ class LensModels {
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Coefficients of the thick-lens model. A ray from an object at depth z' (m) through the pupil point p
-    /// lands on the film at the point
+    /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through the pupil point p
+    /// lands on the film at this point, relative to the chief ray:
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

@@ -140,8 +140,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The lens rotates the image on the film by 180 degrees, so x changes its sign. y also changes its sign a
-    // second time, because it points down on the raster and up on the film.
+    // The lens rotates the image on the film by 180 degrees, so x changes its sign. The sign of y changes
+    // twice, because y points down on the raster but up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

@@ -42,9 +42,9 @@ class LensView {
     /// Returns the scale of the undistorted (paraxial) image: mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Finds the ray of the scene that reaches the pixel in direction `tangent` through one point of the
-    /// lens. `uv` selects this point, as in TracedLens::scene_ray. Returns false if the lens blocks the ray.
-    /// Does not allocate memory.
+    /// Computes the ray in the scene whose light reaches a pixel through one point of the lens. `tangent` is
+    /// the pixel's direction, and `uv` selects the lens point, as in TracedLens::scene_ray. Returns false if
+    /// the lens blocks the ray. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`

@@ -9,8 +9,8 @@ namespace postlens {
 /// Converts `mesh`, a grid of rays from `TracedLens::impulse`, to an impulse response: the energy in each
 /// pixel of size `pitch_mm` > 0. The sum is 1. Returns nothing if no ray passes.
 ///
-/// The chief ray lands at the centre of pixel (0, 0). Film coordinates (x, y) become pixel coordinates (-x,
-/// y) / pitch_mm. Throws Error(wrong_arguments) if the response is wider than 4096 px.
+/// The chief ray lands at the centre of pixel (0, 0). The film point (x, y) has the pixel coordinates (-x /
+/// pitch_mm, y / pitch_mm). Throws Error(wrong_arguments) if the response is wider than 4096 px.
 [[nodiscard]] ResponseGrid mesh_response(const PupilMesh& mesh, double pitch_mm);
 
 }  // namespace postlens

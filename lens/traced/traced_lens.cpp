@@ -75,8 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // Here no ray passes the lens. The error message below names a surface at which light ends: for a ray
-        // at 0.7 of the pupil radius.
+        // No ray passes the lens, which is an error. To name a surface at which light ends in the message,
+        // traces a ray at 0.7 of the pupil radius.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -129,8 +129,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle, so the search from the pupil's centre can
-    // fail. Then the field angle is increased in steps from 0, and each search starts near the last result.
+    // In a wide-angle lens, the pupil moves with the field angle. So the search for the ray through the
+    // stop's centre can fail. It is then repeated for field angles that increase in steps from 0, each time
+    // from near the last result.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;

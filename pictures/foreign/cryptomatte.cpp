@@ -129,8 +129,8 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Finds the end of the name that begins at `begin` in a Cryptomatte manifest of Cycles, which consists of
-/// pairs "name":"id". Returns npos if no id follows the name.
+/// Finds the end of the name that begins at `begin` in a Cryptomatte manifest of the renderer Cycles. A
+/// manifest consists of pairs "name":"id". Returns npos if no id follows the name.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -166,9 +166,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest (names and ids) as valid JSON. Cycles does not escape quotation marks and backslashes
-/// in names, so this function escapes them. If the manifest is already valid JSON, it is changed only if this
-/// makes the hashes of the names equal the ids.
+/// Returns a manifest (names and ids) as valid JSON. The renderer Cycles does not escape quotation marks and
+/// backslashes in names, so this function escapes them. If the manifest is already valid JSON, it is changed
+/// only if this makes the hashes of the names equal the ids.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

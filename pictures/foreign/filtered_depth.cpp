@@ -170,8 +170,8 @@ class Mender {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
         // A ramp is a run of pixels in which a filter mixed the depths of two surfaces. If the depth hardly
-        // changes at one end of the run, the last pixel belongs to the surface beside the ramp, so this is
-        // not the ramp's end.
+        // changes at an end of the run, the last pixel belongs to the surface beside the ramp. So no ramp
+        // ends there.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {

@@ -33,9 +33,9 @@ class ForeignDepths {
     /// decoded from `value`.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
-    /// Sets the depths of a flat image's samples. First repairs depths that were averaged at edges or
-    /// multiplied by alpha, as colours are. `depths` has one stored value per pixel, and `covered` the
-    /// pixel's alpha.
+    /// Sets the depths of a flat image's samples. First repairs depths that the renderer filtered like
+    /// colours: averaged at edges, or multiplied by alpha. `depths` has one stored value per pixel, and
+    /// `covered` the pixel's alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts each pixel's samples from near to far.

@@ -21,7 +21,7 @@ namespace {
 
 using Take = std::function<void(int, std::span<const float* const>)>;
 
-/// Returns the compression of a part if ChunkCodec can decode it, which takes a third of the OpenEXR
+/// Returns the compression of a part if ChunkCodec can decode it. ChunkCodec takes a third of the OpenEXR
 /// library's time. Returns empty otherwise, for example if the part is tiled or a channel is subsampled.
 std::optional<ChunkCompression> own_compression(const ForeignPart& part, const Imf::Header& h) {
     if (part.tiled || h.compression() > Imf::ZIP_COMPRESSION) return std::nullopt;

@@ -1,5 +1,5 @@
-// Reads channels from other parts and other files than those of the colours. Shifts them to the pixel grid of
-// the part with the colours.
+// Reads channels, such as depth, from other file parts or other files than those of the colours. Shifts them
+// to the pixel grid of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -24,9 +24,10 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns the values of a channel of `part`, row by row, for all pixels of another part, `onto`. With
-/// `converts`, integers are converted to floats. Throws Error(out_of_memory). Pixels that `part` does not
-/// store get the value `otherwise`. But pixels beyond the border of the display window get the nearest value
-/// that `part` stores.
+/// `converts`, integers are converted to floats. Throws Error(out_of_memory).
+///
+/// Pixels that `part` does not store get the value `otherwise`. But pixels beyond the border of the display
+/// window get the nearest value that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

@@ -11,10 +11,11 @@
 namespace postlens {
 
 /// Opens a simple PNG or OpenEXR file without OpenImageIO, which is slow to load. Returns null for all other
-/// files, including damaged ones. `open_plain_png` states which PNG files are simple. An OpenEXR file must
-/// have been accepted by check_exr_headers, and its first part must be flat and state no colour space. Its
-/// channels are half or float: R, G, B or only Y, with or without alpha. The values are those that
-/// OpenImageIO reads.
+/// files, including damaged ones. `open_plain_png` states which PNG files are simple.
+///
+/// An OpenEXR file is simple if its first part is flat and states no colour space. Its channels are half or
+/// float: R, G, B or only Y, with or without alpha. check_exr_headers must have accepted it. The values are
+/// those that OpenImageIO reads.
 [[nodiscard]] std::unique_ptr<PictureReader> open_plain_picture(const std::filesystem::path& path);
 
 /// Opens a PNG file that is grey or RGB with 8 bits per channel, or has a palette. Returns null for other

@@ -42,9 +42,9 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample of a stack (the samples of a pixel) if the stack is
-/// opaque. Samples behind this depth are visible only if the stack transmits light. Then returns infinity, so
-/// that samples of any depth count as visible.
+/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel). The
+/// back image is added only behind this depth. If the stack transmits light, returns infinity, so that the
+/// back image is added at any depth.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;

@@ -102,7 +102,8 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If the current mask has already selected samples of this pixel, the same samples are chosen again.
+        // If the current mask has already selected samples of this pixel, chooses exactly these samples
+        // again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;

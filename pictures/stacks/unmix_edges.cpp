@@ -36,8 +36,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// True if this portion of the pixel shows empty space. Then the nearby pixels from which its colour was
-    /// taken have no colour and no alpha.
+    /// True if this portion of the pixel shows empty space. This is so if the nearby pixels from which its
+    /// colour was taken have no colour and no alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
