@@ -21,6 +21,7 @@ constexpr float least_step_px = 1;
 /// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
 /// the largest distance of the search for them, in px.
 constexpr float farthest_px = 512;
+/// Largest number of steps to an edge that is counted exactly. It stands for this number or more.
 constexpr std::uint8_t many_steps = 255;
 
 /// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.
