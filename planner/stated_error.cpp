@@ -12,7 +12,8 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the blend weight that minimises squared error + `price` * variance of its estimate.
+/// Returns the weight with which another image is blended into a tile. Minimises the estimated squared error
+/// plus `price` times its variance.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -85,7 +86,8 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The error of the sample file is left out, because it does not depend on the blend weights.
+    // The error of the sample file is left out, because it does not depend on the weights of the blended
+    // images.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
