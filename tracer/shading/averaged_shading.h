@@ -1,4 +1,5 @@
-// Counts glossy materials and area lights, because a sample file stores only the mean of their light.
+// Counts glossy materials and area lights. A sample file stores only the mean of their light over
+// the lobe or the area.
 #pragma once
 
 #include <cstdint>
