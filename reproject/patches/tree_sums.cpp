@@ -206,7 +206,6 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // If views need the surface but none shows it, its radiance is unknown.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
