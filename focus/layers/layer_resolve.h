@@ -25,8 +25,10 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Returns the light of a surface at a pixel, with reflections, or nothing outside the blur. `terms` must be
-/// sorted by LayerPart.
+/// Computes a surface's light at a pixel, with reflections and transmissions. Returns nothing if the blur
+/// does not reach the pixel. `terms` must be sorted by LayerPart.
+///
+/// A mirror image is multiplied by a mask: the area of the mirror, blurred like the mirror itself.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -37,14 +37,14 @@ class FieldHighlights {
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
     /// Returns an object that adds the highlights to the mean of images from the lens points `views`. The
-    /// returned object keeps references to this one and to `views`.
+    /// returned object keeps a reference to this one.
     /// - `set`: index of the set of lens points, used as random seed
     /// - `instants`: instant of each lens point, as a fraction of the exposure; may be empty if nothing moves
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) to highlights. Rays to sharp moving highlights may miss
-    /// them.
+    /// Chooses random rays from the pixel (x, y) through the lens to highlights. Rays to sharp moving
+    /// highlights may miss them.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest difference of CoC diameter between neighbouring depth levels with equal steps of depth.
+/// Largest difference of CoC diameter between neighbouring depth levels, in px, if the levels are equally
+/// spaced in depth z'.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
