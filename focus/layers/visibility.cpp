@@ -155,7 +155,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         if (free.mean < opaque) break;
         // Limits the tilt of the transmittance. With values from 0 to 1 and the mean A, the tilt is at most A
         // (1 - A).
-        const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
+        const double most = free.mean * (1 - free.mean),
+                     is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }
     if (!(total > 0)) return {};
