@@ -135,8 +135,7 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR, in dB, that the method `auto` tries to reach. The default is 40 dB. If takes_usual_method() is
-    /// true, there is no target, because `auto` then does not measure the error.
+    /// PSNR, in dB, that the method `auto` tries to reach (by default, 40 dB).
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;

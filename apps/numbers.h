@@ -36,8 +36,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a finite number, or "inf" if `infinite` is set. This function and those below throw
 /// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. Throws if the text is no integer or does not fit into an int. The message for the
-/// latter states the range `bounds`. The caller must check that the value lies in this range (check_bounds).
+/// Parses an integer that fits into an int. `bounds` is only for the error message: the caller checks the
+/// range with check_bounds.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size in px, such as "960x540".

@@ -49,16 +49,15 @@ struct AskedFor {
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the hash of a scene that the running command has read. AskedFor::fingerprint then need not read the
-/// scene again.
+/// Stores the hash of a scene that was already read, so that AskedFor::fingerprint need not read the scene
+/// again.
 void remember_digest(const std::string& path, const Scene& scene);
 
 /// Returns the mark by which `merge` recognises the result file of a share. It is JSON: the share, the crop
 /// of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Each machine that divides the work with others writes a mark into its result file: JSON that states its
-/// share. Returns this share, or an empty value if the text is no such JSON.
+/// Parses the mark (JSON text) in one machine's result file. Returns nothing if the text is invalid.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
 /// Returns the mark of one machine's share of the images of a sweep or the points of a chart. A mark is JSON

@@ -41,16 +41,15 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the chart's curve to which the point belongs: the name of the method, followed by that of the
-    /// sample file. The most detailed sample file is the usual one, so its name is left out.
+    /// Name of the point's curve: the method, then the sample file, unless it is the most detailed one.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image if one call makes many images, with one value for each repetition of the
-    /// measurement. `first_of_many_s` are the times of the first image, including reading the file, and
-    /// `further_s` those of each further image. Empty if not timed.
+    /// Times, in s, if one call makes many images, one value per repetition. Empty if not timed.
+    /// - first_of_many_s: the first image, including reading the file
+    /// - further_s: each further image
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -58,9 +57,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the seconds per image if `pictures` images are made from the sample file `from`, whose tracing
-    /// time they share. The images are made by one command each or by one sweep, whichever is faster.
-    /// `pictures` may be infinite.
+    /// Returns the seconds per image if `pictures` images share the tracing time of `from` equally. If
+    /// `pictures` is infinite, tracing adds nothing.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

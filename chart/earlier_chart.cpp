@@ -49,8 +49,7 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
     if (from.key != key) {
-        // The file contains measurements of another scene or view. They are ignored, but it is an error if
-        // this run would write to the same file.
+        // The file describes another scene or view. It is an error only if this run would overwrite the file.
         if (!own) return false;
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew",

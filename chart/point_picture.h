@@ -13,8 +13,7 @@
 
 namespace postlens {
 
-/// Makes the images whose errors a chart compares. Its functions write the fraction of the image that is
-/// computed by rays to `retraced`, and short names of warnings to `warnings`.
+/// Makes the images that a chart compares with the reference.
 class PointPictures {
   public:
     /// Keeps references to all arguments.

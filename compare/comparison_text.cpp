@@ -31,9 +31,8 @@ std::string share_text(double share) {
     return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share);
 }
 
-// Returns a sentence such as "whole frame: 48.20 dB; the reference itself is good to 55.10 dB; above its
-// noise 49.10 dB (48.90 to 49.40 dB)". Its three PSNRs measure the image against the reference, the noise of
-// the reference, and the image without that noise.
+// Returns a sentence with three PSNRs: of the image, of the noisy reference, and of the image without the
+// reference's noise.
 std::string noise_sentence(const char* what, const PixelErrors& errors, const NoiseFloor& noise,
                            bool image_is_a_reference) {
     std::string text = fmt::format("{}: {}; the reference itself is good to {}", what,

@@ -12,12 +12,11 @@
 namespace postlens {
 namespace {
 
-/// Limits for the robust fit of a lens: larger differences in tone (logarithmic brightness) count linearly,
-/// not quadratically. The first limit is for the start, far from the solution. The last is the noise of a
-/// render at 256 samples per pixel.
+/// In the robust fit, differences of logarithmic brightness above the limit count linearly. The last limit is
+/// the noise at 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// The fit differentiates the image numerically with respect to 1/s, with focus distance s. This is the
-/// change of 1/s to either side, as a fraction of the scene's range of inverse depths.
+/// Step of the inverse focus distance for numerical derivatives, as a fraction of the scene's range of
+/// inverse depths.
 constexpr double focus_step = 0.03;
 /// Side, in px, of the blocks for the standard errors. Residuals of different blocks are assumed to be
 /// independent.
@@ -25,9 +24,8 @@ constexpr std::size_t block_px = 16;
 /// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
 /// shows no blur.
 constexpr double least_spread = 1e-3;
-/// Largest accepted difference between the given image and the image of the fitted lens, as a fraction of the
-/// given image's contrast. It is about 0.1 if both show the scene from the same viewpoint, and almost 1 if
-/// not.
+/// Largest accepted error of a fitted image, as a fraction of the image's contrast. Usual errors are 0.1, or
+/// almost 1 for another viewpoint.
 constexpr double most_left = 0.5;
 /// A fitted lens is rejected unless it reduces the error of the sharp pinhole image to this fraction or less.
 /// Otherwise, the given image shows no lens blur.
@@ -257,8 +255,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // Refuses an image without lens blur. With lens blur, even a rough estimate of the lens would have a
-    // smaller error than the sharp pinhole image.
+    // If the image has lens blur, even a roughly fitted lens has a smaller error than the sharp pinhole
+    // image.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -281,8 +279,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Sorts the fitted lenses by error. They were fitted to different pixels, so each error is taken relative
-    // to `spread`, the contrast of its pixels.
+    // The lenses were fitted to different pixels, so each error is divided by `spread`, the contrast of the
+    // fitted pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

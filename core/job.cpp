@@ -17,9 +17,7 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's limit for the number of threads of the process, which is one per core by default. The new
-/// limit is the number of threads of the job that has the most. TBB arenas limit the threads of the other
-/// jobs.
+/// Raises TBB's limit of threads, one per core by default, to that of the job with the most threads.
 class WidestJob {
   public:
     void add(int threads) {
@@ -95,8 +93,7 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // TBB may run this lambda in another thread, if all threads of the arena are busy. JobScope makes that
-    // thread work for this job.
+    // TBB may run the lambda in another thread. JobScope tells that thread the current job.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

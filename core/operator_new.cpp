@@ -30,9 +30,8 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit for each huge page of the address space. It is set when a block has ended in this page, so that
-/// huge pages after such a block are requested only once. The array takes 16 MB of address space, but hardly
-/// any memory.
+/// One bit per huge page, set when the huge pages after it were requested. Takes 16 MB of address space, but
+/// hardly any memory.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Asks the kernel for huge pages at the addresses after a block, because malloc will place the next blocks
@@ -47,8 +46,7 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// Does nothing if this code is built into a module that another program loads. A module must not change that
-/// program's heaps.
+/// Does nothing in a module that another program loads, because the heaps belong to that program.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

@@ -10,8 +10,8 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // A thread's heap has at most 64 MB. An M_TOP_PAD of this size lets it keep all unused memory, with its
-    // huge pages. 32 MB is the largest M_MMAP_THRESHOLD that glibc allows.
+    // glibc then keeps all unused memory of a thread's heap (at most 64 MB). 32 MB is the largest threshold
+    // that glibc allows.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
     // Keeps up to 256 MB of unused memory at the end of the main heap. By default, glibc returns more than

@@ -78,8 +78,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence: a matrix (Pascal's triangle modulo 2) times the bits of the
-/// index. The matrix is the product of five matrices, and each line below multiplies by one of them.
+/// Returns dimension 1 of the Sobol sequence: Pascal's triangle modulo 2 times the bits of the index. Each
+/// line multiplies by one factor matrix.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -114,8 +114,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Values for computing one dimension of consecutive Sobol points. The index of the first point must be a
-/// multiple of 16. Then the coordinate of point i, from 0 to 15, is low[i] ^ high, with its bits reversed.
+/// Coordinates of 16 consecutive Sobol points: point i has low[i] ^ high, with its bits reversed. The first
+/// index is a multiple of 16.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

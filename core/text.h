@@ -27,8 +27,7 @@ namespace postlens {
 /// Like printable, but keeps line ends.
 [[nodiscard]] std::string printable_lines(std::string text);
 
-/// Formats a number without an exponent. Numbers below 100 get two significant digits, such as 0.12, 3.4 or
-/// 56. Larger ones are rounded to integers, such as 789, and those below 0.001 to three decimals.
+/// Formats a number without an exponent, with two significant digits or as an integer: 0.12, 3.4, 56 or 789.
 [[nodiscard]] std::string rough(double value);
 
 /// Returns the first candidate with the smallest edit distance to `word`, or an empty text if all need more

@@ -80,9 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Upper bound of the outline's distance from the lens centre, in lens radii. A polygon that replaces
-        // a circle keeps the circle's area. So its corners lie outside the circle, by less than 1.5 % for
-        // tolerances up to 0.02 lens radii.
+        // Upper bound of the outline's distance from the lens centre. Corners of a polygon lie up to 1.5 %
+        // outside the circle of equal area.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {

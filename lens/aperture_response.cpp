@@ -42,8 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns into how many parts, at most 256, to divide a line on the lens. Because of spherical aberration,
-/// rays through the line land on a curve. Those through one part land on a straight line, within 0.02 px.
+/// Divides a line on the lens into parts. Despite spherical aberration, rays through one part land within
+/// 0.02 px of a straight line.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -56,8 +56,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Merges the cells of an aperture image until each merged cell lights about half a pixel of the blur kernel.
-/// An original cell lights `cell_px` px.
+/// Merges cells of an aperture image until each is about half a pixel wide in the blur kernel. Original cells
+/// are `cell_px` wide.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -193,8 +193,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
     // centre. R stands for `radius_px`, and S for `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Rays through the rim of the lens usually land farthest from the ray through its centre. If defocus and
-    // spherical aberration have opposite signs, rays through an inner zone may land even farther.
+    // If defocus and spherical aberration have opposite signs, rays through an inner zone may land farther
+    // out than rays through the rim.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));

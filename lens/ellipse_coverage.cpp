@@ -23,10 +23,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Lengthens only the ellipse's minor axis. M is the matrix that maps the unit disc to the ellipse.
-        // With the squared semi-axes `minor` and `major`, and the unit vector a along the major axis:
-        //
-        //     M M^T = minor I + (major - minor) a a^T
+        // Increases only `minor`, a squared semi-axis. The ellipse's matrix is minor I + (major - minor) a
+        // a^T, with the direction a of the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;

@@ -14,8 +14,8 @@ struct Piece {
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns the fraction of the pixel [x, x + 1) to the right of `p`, a straight piece of an outline. The
-/// fraction is averaged over the height of the piece.
+/// Returns the fraction of the pixel [x, x + 1) to the right of a straight piece of outline, averaged over
+/// the height of the piece.
 double right_of(const Piece& p, double x) {
     // The fraction of a pixel to the right of a vertical line at x = `at` is clamp(x + 1 - at, 0, 1).
     // `integral` is its antiderivative.

@@ -27,8 +27,8 @@ class OutlineRows {
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. The polygon's area is the area to the right of its left sides (`sign` +1) minus
-    /// that to the right of its right sides (`sign` -1).
+    /// A side of the polygon. The area is the sum, over all sides, of `sign` times the area to the right of
+    /// the side.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

@@ -103,9 +103,8 @@ enum class PictureValues {
 /// Reads the first part of a file: its first three channels, or one as grey. Integers and sRGB values become
 /// scene-linear.
 ///
-/// The image covers the file's display window; if write_image cropped the file, it covers only the crop.
-/// Pixels outside are dropped. Pixels inside that the file does not store are black. Throws
-/// Error(invalid_input).
+/// The image covers the display window, or the crop if write_image cropped the file. Pixels without values
+/// are black. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

@@ -54,9 +54,8 @@ struct FocusResult {
     /// Diameter of the widest circle of confusion, in px. It may be infinite. It is empty in a result of
     /// `shoot`.
     std::optional<double> largest_coc_px = {};
-    /// PSNR against the exact picture, in dB. It is measured by tracing rays at random places of the picture
-    /// and comparing their colours with it. It is empty without `scene`, and infinite if these rays found no
-    /// difference.
+    /// PSNR of the picture, in dB, measured by tracing rays at random places. Empty without `scene`, infinite
+    /// if the rays found no difference.
     std::optional<double> stated_db = {};
     std::optional<double> stated_low_db = {};   ///< Lower end of the 95 % interval of `stated_db`, dB.
     std::optional<double> stated_high_db = {};  ///< Upper end of the 95 % interval of `stated_db`, dB.

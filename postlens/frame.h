@@ -59,14 +59,12 @@ struct Records {
     /// 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0 for a visible surface; n for the n-th surface behind it.
-    /// The matrix W of each record, in 1/m, as elements xx, xy, yx and yy. It describes how the image of the
-    /// surface moves if it is seen from another point of the lens. At q metres from the lens centre, the
-    /// image is shifted by -W q times film distance / pixel pitch, in px. For a surface that is seen
-    /// directly, W is the identity matrix divided by its depth [Igehy 1999].
+    /// The matrix W of each record, in 1/m: xx, xy, yx, yy. It shifts the image of a surface that is seen
+    /// from a lens point q (m) by -W q times film distance / pixel pitch. W is the identity / depth for a
+    /// directly seen surface [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of the matrix W, in 1/m^2. W assumes that the image of the surface moves linearly with the lens
-    /// point from which it is seen. The error is 0 if this is exact, or if the error was not measured. It is
-    /// infinite if other lens points do not see the surface by the same reflections and transmissions.
+    /// Error, in 1/m^2, of the linear motion that `w` describes; 0 if not measured. It is infinite if other
+    /// lens points see the surface by another path.
     std::vector<float> w_bend = {};
 };
 

@@ -18,11 +18,9 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are records of rays that hit nothing, at the upper left corner of each pixel. There are further ones at
-/// the lower corners of the quadtree cells in the row above, because these corners lie in row y.
-/// `above` contains the row above, or is null if it is lost or does not exist. `offsets` receives the index
-/// of each pixel's first record, as in RecordBand::offsets.
+/// Makes records of rays that hit nothing, in place of the unreadable row y of a damaged file.
+/// - above: the row above, because its quadtree cells have corners in row y; null if there is none
+/// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 

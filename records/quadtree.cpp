@@ -99,9 +99,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The samples on the right edge are stored in the next pixel, which may be divided more finely than
-        // the table. add() then rejects samples between the table's positions. This is no error, because no
-        // cell of pixel (x, y) has a corner there.
+        // The next pixel stores the samples on the shared edge. Its cells may be smaller, so add() may reject
+        // some of the samples.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }

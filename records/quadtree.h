@@ -20,12 +20,11 @@ struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weights of the sample in the four quadrants around it: up-left, up-right, down-left and down-right. In
-    /// each quadrant, the sample may be a corner of a quadtree cell. The weight is a quarter of this cell's
-    /// area, in px^2.
+    /// Weights for the quadtree cells up-left, up-right, down-left and down-right of the sample. Each is a
+    /// quarter of the cell's area, in px^2.
     std::array<float, 4> weight{};
-    /// Edge length, in px, of the undivided quadtree cell in each quadrant around the sample, in the order of
-    /// `weight`. It is 0 if no cell in this quadrant has the sample as a corner.
+    /// Edge length, in px, of the quadtree cells up-left, up-right, down-left and down-right of the sample; 0
+    /// if there is none.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };

@@ -77,8 +77,7 @@ struct RecordMark {
     /// The texture changes from this sample to its neighbours, although they are as close together as the
     /// quadtree allows.
     static constexpr std::uint8_t fine_texture = 1;
-    /// The object may have a gap between this sample and a neighbouring sample, or a part of its mesh that no
-    /// sample has hit.
+    /// Beside this sample, the object may have a gap, or a part of its mesh that no ray hit.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -93,11 +92,9 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of the matrix W, in 1/m^2. W assumes that the image of the surface moves linearly with the lens
-    /// point from which it is seen. From a lens point R metres off the lens centre, W misplaces the image by
-    /// about g * w_bend * R^2 px. Here, g is the film distance / pixel pitch.
-    /// The value is 0 if W is exact or its error was not measured. It is infinite if other lens points do not
-    /// see the surface by the same reflections and refractions.
+    /// Error, in 1/m^2, of the linear motion that `w` describes; 0 if not measured. It shifts the image by
+    /// w_bend R^2 film distance / pixel pitch, for R metres from the lens centre. Infinite if other lens
+    /// points see the surface by another path.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

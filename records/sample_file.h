@@ -68,13 +68,8 @@ enum class Damage {
     salvage  ///< damaged scanlines are found on opening and replaced
 };
 
-/// Reads a sample file. Every function throws Error(invalid_input), with the name of the file, if the file is
-/// damaged or incomplete. Counts and image sizes in the file are checked before memory is allocated.
-///
-/// With Damage::salvage, all records are checked when the file is opened. Damaged rows are replaced by
-/// samples of rays that hit nothing (stand_in_for_row). A file may contain further recorded instants (keys).
-/// A key without undamaged rows is removed. It is an error if the header is damaged, or too many rows of the
-/// first instant (least_whole_share).
+/// Reads a sample file. Every function throws Error(invalid_input) if the file is damaged. With
+/// Damage::salvage, samples of rays that hit nothing replace damaged rows (stand_in_for_row).
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in 64 rows must be undamaged. Otherwise, a small damaged file could

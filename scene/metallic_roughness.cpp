@@ -43,8 +43,8 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, some light passes straight through the surface (`through` is not 0) and must
-        // stay sharp. So roughness blurs transmission only if alpha is 1.
+        // Light that passes straight through the surface (alpha below 1) must stay sharp, so roughness then
+        // blurs no transmission.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -10,8 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// To measure the interpolation error between two keyframes, their interval is divided into this many parts.
-// The error is measured at the 7 times where two parts meet.
+// Number of parts of an interval between keyframes. The interpolation error is measured at the 7 times
+// between these parts.
 constexpr int looks = 8;
 
 struct Sampler {

@@ -16,9 +16,8 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // The quotient d / size is rounded, so it may lie on the wrong side of a cell border. Near a border, the
-    // sign of (c - offset) - border * size decides instead. This sign is exact, because c - offset is d +
-    // lost (Knuth's two-sum), and fma rounds only once.
+    // Rounding may put d / size on the wrong side of a cell border. Near a border, the exact remainder
+    // decides (Knuth's two-sum and fma).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

@@ -117,8 +117,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
             if (!straight) add(a, b, c);
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
             tried = 0;
-            // Skips the next corner of the polygon, because cutting off the triangles (ears) at two adjacent
-            // corners would give thin triangles.
+            // Skips the next corner: cutting off ears at two adjacent corners would give thin triangles.
             ++at;
         } else {
             ++at;

@@ -26,9 +26,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns whether an image of an earlier run can be kept for the settings `s`. `earlier` is the key of
-    /// this image, a hash of its settings, which must equal `s`. If the earlier run also predicted its error,
-    /// the image is kept even if this run predicts none.
+    /// Compares the key (hash of the settings) of an earlier image with `s`. An earlier image with a
+    /// predicted error also fits.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }
@@ -40,11 +39,8 @@ class SweepKeys {
     bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Reads the table rows of images that earlier runs made, by the name of the image file. They are in the
-/// table `json`, and in those of single machines that divided the work. Several tables may list the same
-/// image, so names may repeat.
-///
-/// The result is empty unless `settings.resume` is set.
+/// Reads the table rows of earlier images, keyed by file name, from `json` and the tables of single machines.
+/// Empty unless `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

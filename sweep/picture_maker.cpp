@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // The error of an image is predicted from its difference from a light field image. No error is predicted
-    // for a pinhole image, because this difference would be only the error of the light field image itself.
+    // An error is predicted by comparison with a light field image. A pinhole image is more exact, so none is
+    // predicted.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

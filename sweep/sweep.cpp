@@ -78,8 +78,8 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Enters the images of earlier runs into the table first. So sweep.json lists them even if this
-            // run is interrupted.
+            // Images of earlier runs come first, so that sweep.json lists them even if this run is
+            // interrupted.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join != Join::no) check_complete();
@@ -267,16 +267,15 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with the samples of the sample file. Methods that make light fields convert the samples to
-    /// surfaces and do not keep them in memory. For these methods, the file is read again.
+    /// Calls `use` with the samples. Methods that make light fields do not keep samples in memory, so the
+    /// file is read again.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
         return use(once);
     }
 
-    /// Returns the gradient energy (amount of detail) of the pinhole image, at the magnification of the image
-    /// `made`. The option --framing can change this magnification.
+    /// Returns the gradient energy (amount of detail) of the pinhole image, zoomed like `made`.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);

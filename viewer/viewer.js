@@ -46,8 +46,8 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time, in ms, of the user's first input while the coarse image is made. A new image is requested afterwards.
-// 0 if there was no input.
+// Time, in ms, of the first input while the coarse image is made; 0 if none. Such an input leads to another
+// request.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };

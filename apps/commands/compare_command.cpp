@@ -160,9 +160,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // `preference` compares the image with two references. It is the difference of the image's two errors,
-    // divided by the standard error of this difference. By chance alone, its magnitude exceeds 4 only once in
-    // 16000 images.
+    // `preference` tells, in standard errors, which of two references the image is nearer to. By chance
+    // alone, its magnitude exceeds 4 once in 16000 images.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",

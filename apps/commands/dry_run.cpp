@@ -194,9 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // To save time, this frame was run only with few samples or views, like the animation's middle
-            // frame. The full time of the middle frame is known. It is multiplied by the ratio of the two
-            // short times.
+            // Both frames ran with the same few samples or views. The ratio of their times scales the middle
+            // frame's full time.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -246,8 +245,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // If each machine computes some of the samples of every pixel, its output file stores one sum of
-        // radiance per pixel and block of samples. Several blocks need more memory than one.
+        // The output file stores one sum of radiance per pixel and block of samples, so more blocks need more
+        // memory.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -261,9 +260,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // Each of `shares` machines makes only 1/shares of the image's rows. A test run of these rows may
-        // therefore use `shares` times as many samples as the test run of the whole image, and take the same
-        // time.
+        // A machine computes 1/shares of the image's rows, so its run to predict the time can use `shares`
+        // times as many samples in the same time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

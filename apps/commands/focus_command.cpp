@@ -131,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // The samples in the file lie on a grid. If a scene is given, rays find small surfaces between the grid
-    // points, even for a pinhole image.
+    // With a scene, rays improve even a pinhole image: they find surfaces that are smaller than the distance
+    // between the file's samples.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},

@@ -159,8 +159,7 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // Throws only for sample files, which already describe their camera. For files of other formats, the
-    // reader later throws a clearer error than this one.
+    // A sample file describes its own camera, so options for foreign images are refused.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -220,9 +219,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // `choice` describes the camera that rendered the input image. With a lens prescription (a real lens),
-    // `lens` contains the focal length of the simulated lens. This is not that of the camera, so it is not
-    // copied.
+    // With a lens prescription, the simulated focal length differs from that of the camera that rendered the
+    // image.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;

@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-// Returns the number of layers: the visible surfaces are layer 0, and the hidden surfaces behind them are
-// layers 1, 2 and so on. The file does not state the number, so all samples are read.
+// Returns the number of layers of visible and hidden surfaces. All samples are read, because the file does
+// not state this number.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

@@ -25,9 +25,8 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// Returns the command-line arguments that made `part`, the results of one machine's share of a `sweep` or
-/// `chart`. --output is not among them. `merge` runs the command again with these arguments to join all
-/// parts. Throws for any other command.
+/// Returns the `sweep` or `chart` command line that made `part`, the results of one machine. `merge` runs the
+/// command again to join all parts.
 std::vector<std::string> words_in(const PartFacts& part) {
     const std::vector<std::string> words = words_of_mark(part.mark);
     const auto foreign = [](const std::string& word) {

@@ -30,8 +30,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// `count` machines have divided the work, and each has written one file. Returns the indices, from 0 to
-    /// count - 1, of the missing files. Throws if a file is missing, unless `partial` is true.
+    /// Returns the numbers of the missing files, from 0 to count - 1. Throws if a file is missing, unless
+    /// `partial` is true.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

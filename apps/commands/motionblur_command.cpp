@@ -150,8 +150,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur by running the command `shoot` with a pinhole. Where the sample file does not determine
-/// a pixel's colour, `shoot` can trace rays into the scene.
+/// Makes motion blur with the command `shoot`, because `shoot` can trace rays into the scene.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -186,8 +185,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // A pinhole image does not depend on the focus distance. But the command `shoot` throws if neither the
-    // sample file nor its options state one, so it gets 1 m.
+    // The command `shoot` needs a focus distance. A pinhole image does not depend on it, so 1 m is used.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);

@@ -91,9 +91,7 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // `json` contains the settings stored in the output file. When they were stored, `text_of` replaced
-    // invalid UTF-8. So the current settings `made_by` are converted in the same way before they are
-    // compared.
+    // text_of replaces invalid UTF-8, as it did when the settings in the file were stored.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

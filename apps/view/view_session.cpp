@@ -333,9 +333,8 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that the request `picture` makes with these parameters. If it is the last one that
-/// `picture` made, it is reused. Otherwise the file is opened again to make the image, so that other requests
-/// need not wait for the open file.
+/// Reuses the last image if the parameters are equal. Otherwise, opens the file a second time, so that other
+/// requests need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

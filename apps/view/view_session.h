@@ -50,8 +50,8 @@ class ViewSession {
     /// - if has_ray_share is true in the JSON, the fraction of each pixel's colour that comes from rays, as
     ///   half floats
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns an image that is made quickly, because its pixels are larger. The reply has the format of
-    /// `picture`. Its JSON contains "by": the width of a large pixel, in pixels of the full image.
+    /// Returns a quickly made preview with large pixels, in the format of `picture`. The JSON value "by" is
+    /// the width of a large pixel, in px.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns a ray-traced image of the scene, in the format of `picture`. This request cancels an earlier
     /// request for a ray-traced image, but no request of another kind.

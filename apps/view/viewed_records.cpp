@@ -17,9 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Combines those samples of a pixel that show the same object by the same reflections and refractions.
-/// `light` is the sum of their weighted luminances, and `inverse_depth` that of weighted luminance / depth.
-/// `first` is one of the samples.
+/// Sums over the samples of a pixel that show one object by the same light path. `inverse_depth` sums
+/// luminance / depth.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -99,8 +98,7 @@ class ViewedRecords : public ViewedFrame {
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // While the user drags a slider, the viewer shows an image with larger pixels. A file below these
-        // limits is shown with its own pixels, because two cores make an image of it in about 50 ms.
+        // Up to this size, two cores make an image in about 50 ms, so the preview keeps the full resolution.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;

@@ -38,8 +38,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # The body of the `with` statement changes these properties for a render. Their animation is muted, because the
-    # render would evaluate it again and overwrite the changed values.
+    # Disables (mutes) the animation of the properties, because rendering would evaluate it and overwrite the changed
+    # values.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:

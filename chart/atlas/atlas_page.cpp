@@ -69,9 +69,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of one test case of the atlas. The first rows are the tested method and its remedy,
-/// a method that is correct here, if there is one. The last rows are the pinhole image and the noise of the
-/// reference.
+/// Returns the table rows of a test case: the tested method, a better method if there is one, the pinhole
+/// image, and the reference's noise.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {

@@ -36,8 +36,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
     for (int i = 0; i < 3; ++i) {
         const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;
         canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
-        // The colours of the error map were converted from 8-bit sRGB to scene-linear. Encoding restores the
-        // 8-bit values exactly.
+        // Encoding to sRGB restores the error map's original 8-bit colours exactly.
         canvas.picture(x, top,
                        encoded_8bit(i == 0   ? image
                                     : i == 1 ? reference

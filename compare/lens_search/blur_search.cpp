@@ -17,8 +17,8 @@ constexpr double narrowest_coc_px = 0.7;
 /// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
 /// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels on which the lenses are compared. More pixels would not find a better lens,
-/// because the apertures of the tested lenses differ by about 10 % anyway.
+/// Largest number of pixels on which lenses are compared. Tested apertures differ by about 10 %, so more
+/// precision is not needed.
 constexpr std::size_t most_pixels = 12000;
 /// Residuals above this limit count linearly. Beside depth edges, the blur model's own errors are about as
 /// large.

@@ -16,8 +16,7 @@ namespace {
 /// Number of depths for which blur kernels are computed. With this many, the image changes smoothly when the
 /// fit changes the aperture or the focus distance.
 constexpr int levels = 256;
-/// The fit differentiates the image numerically with respect to the logarithm of the aperture. This is the
-/// change to either side: 3 % of the aperture.
+/// Relative change of the aperture, to either side, for numerical derivatives of the fitted image.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
 /// Number of computed images to keep, enough for two lenses. Each lens needs five images: its own, and four
@@ -58,7 +57,7 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // Compares with a tolerance, because the solver passes the aperture through a logarithm, which rounds it.
+    // The solver stores the logarithm of the aperture, so the aperture comes back with rounding errors.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&

@@ -27,15 +27,13 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Computes the image of a lens with the aperture and focus distance `place`. Writes its differences from
-    /// the given image to `out`. In a sum of squares, differences above `linear_from` count only linearly.
+    /// Writes the differences between the image of the lens `place` and the image to be fitted. Differences
+    /// above `linear_from` count linearly.
     void at(const LensPlace& place, double* out, double linear_from);
     /// Writes each pixel's two derivatives: with respect to the logarithm of the aperture, and to the inverse
     /// focus distance. The inverse focus distance is changed by `focus_step_per_m` to either side.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// `of` writes the differences between `image` and the image to which the lens is fitted. `of_even` does
-    /// the same for a uniform image of median brightness. In a sum of squares, differences above
-    /// `linear_from` count only linearly.
+    /// Like `at`, for a given image (`of`) and for a uniform image of median brightness (`of_even`).
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

@@ -24,11 +24,9 @@ struct FlipExposures {
     int count = 1;
 };
 
-/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3], about one per stop. At `start`,
-/// the tone curve maps the reference's greatest luminance to 0.85. At `stop`, it maps the median there.
-///
-/// With `white_luminance`, the range is independent of the reference: this luminance replaces the greatest
-/// one, and 0.18 replaces the median.
+/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3], about one per stop. The tone
+/// curve maps the reference's greatest luminance to 0.85 at `start`, and the median at `stop`.
+/// - white_luminance: replaces the greatest luminance, and 0.18 the median
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

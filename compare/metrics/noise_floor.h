@@ -14,8 +14,8 @@ namespace postlens {
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Upper bound, as a root mean square, of the bias of the estimated error. The bias arises because the
-    /// nonlinear sRGB encoding shifts the mean of noisy values.
+    /// Upper bound of the estimate's bias, as an RMS error. The bias arises because sRGB encoding shifts the
+    /// mean of noisy values.
     double bias_rms = 0;
     /// Ends of the confidence interval of the image's RMS error: two standard errors below and above the
     /// estimate, widened by `bias_rms`.
@@ -34,12 +34,8 @@ struct NoiseFloor {
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Tells which reference the image is closer to; a positive value means the second. The value is the
-    /// image's mean squared error against the first reference minus that against the second, divided by its
-    /// standard error.
-    ///
-    /// If the references are equally accurate and the image is independent of them, it follows a standard
-    /// normal distribution.
+    /// Mean squared error against the first reference minus that against the second, in standard errors. By
+    /// chance alone, it is standard normal.
     double preference = 0;
 };
 

@@ -25,9 +25,7 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile, row by row, with a margin that filters remove. For a filter of radius r, it begins
-/// with tile_height + 2r rows of tile_width + 2r values. `filter_rows` removes the margin left and right,
-/// `filter_columns` that above and below.
+/// One channel of a tile, row by row. A filter of radius r needs a margin of r px, and removes it.
 using TileChannel = std::vector<float>;
 
 /// Filters a tile along rows: out[x] = sum_k taps[k] in[x + k]. Rows of `in` have tile_width + taps - 1

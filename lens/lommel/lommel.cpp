@@ -78,9 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and U2 [born1999, 8.8]. With x
-        // = u / v, the loop computes the series `odd` = U1 / x and `even` = U2 / x^2. The factor x cancels
-        // 1/u, so u may be 0 (Airy pattern).
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions [born1999, 8.8]. `odd` is U1 / x
+        // and `even` is U2 / x^2, so u may be 0.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

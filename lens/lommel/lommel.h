@@ -6,12 +6,12 @@
 
 namespace postlens {
 
-/// Returns the diffraction intensity at defocus u and radius v, in optical units [born1999, 8.8.1]. It is
-/// relative to the peak in focus:
+/// Returns the diffraction intensity at defocus u and radius v (optical units), relative to the peak in focus
+/// [born1999, 8.8.1]:
 ///
 ///     I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2
 ///
-/// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12, and below 1e-9 of the peak at defocus u.
+/// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
 /// Returns the intensity of `lommel_intensity` by Gauss-Legendre quadrature, in O(u + v) steps. Used for

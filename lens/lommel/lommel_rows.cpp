@@ -14,8 +14,7 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two series of Bessel functions J_n(v) that give the intensity at defocus u and radius v. They are computed
-/// for eight values of v at once. x is the smaller of v/u and u/v.
+/// Two series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and u/v.
 /// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
 /// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, ..
 struct SeriesLanes {
@@ -38,8 +37,6 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Signs alternate within the even orders and within the odd orders. So orders 2 and 3 are subtracted, and
-    // orders 4 and 5 are added.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {

@@ -17,14 +17,12 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
 /// distance `x` from the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // A pixel's energy is computed from the flow of energy through its borders. The flow is proportional to
-    // the border's distance |x| from the kernel's centre. Below this distance, it is negligible.
+    // At smaller distances from the kernel's centre, the energy flow through a pixel border is negligible.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // Energy is treated as flowing outwards from the kernel's centre. Through the pixel border at constant x
-    // flows the integral of L x / (2 pi r^2) over y. r is the distance from the centre, and L the energy
-    // within radius r. Substituting y = x sinh t gives the integral of L / (2 pi cosh t) over t.
+    // The energy flow through the border is the integral of L x / (2 pi r^2) over y, with the energy L within
+    // radius r. Substitutes y = x sinh t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
     // fringes. If 64 panels do not suffice, the fringes need not be resolved.
@@ -48,8 +46,8 @@ double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, where L is the energy within r. If this energy flows outwards
-/// through the circle of radius r, a pixel border at constant x receives x times this value per px.
+/// Table of L / (2 pi r^2) over the radius r, with the energy L within r. Times x, it is the energy flow per
+/// px through a pixel border at x.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -149,8 +147,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // Energy per pixel is computed in a square around the grid, so the table of energy over radius must reach
-    // the square's corners. Averaging diffraction fringes needs 4 smoothing_px more.
+    // The table of energy over radius must reach the corners of a square around the grid. Smoothing the
+    // diffraction fringes needs 4 smoothing_px more.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

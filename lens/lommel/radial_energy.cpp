@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Weights for integrating the encircled energy's derivative over one step of the radius. They are exact for
-/// the polynomial through the eight values nearest to the step. They are symmetric, so only four are stored.
+/// Weights for integrating over one step, exact for the polynomial through the eight nearest values. They are
+/// symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step

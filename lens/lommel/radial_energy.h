@@ -8,9 +8,8 @@
 
 namespace postlens {
 
-/// Table of the impulse response of a circular aperture at defocus u, for radii v in [0, v_end], in optical
-/// units [born1999, 8.8.1]. The spacing of the radii resolves every diffraction fringe. A ring of width dv
-/// contains the energy I(u, v) v dv / 2, and all rings together 1.
+/// Impulse response of a circular aperture at defocus u, for radii v in [0, v_end], in optical units
+/// [born1999, 8.8.1]. The total energy is 1.
 class RadialEnergy {
   public:
     /// Returns the spacing of the radii in a table for defocus u: 1/8 for |u| < 256, and 1/2 otherwise. Radii

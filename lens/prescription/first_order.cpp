@@ -103,8 +103,7 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // A ray from the axis point at z meets the plane of the first vertex at the height y = -z nu, with the
-    // angle nu. So nu / y is -1 / z, and 0 if the point is at infinity.
+    // t is angle / height, at the first vertex, of a ray from the object point on the axis.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

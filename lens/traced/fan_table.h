@@ -15,23 +15,19 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Precomputes impulse responses for a range of inverse depths and of angles from the axis. The range
-    /// ends at the given inverse depth or the inverse focus distance, whichever is larger, and at the tangent
-    /// `widest_tangent`. Beyond the last depth, responses grow linearly in size; beyond the last angle, they
-    /// stay constant.
+    /// Covers inverse depths up to the given one or that of the focus, and angles up to `widest_tangent`.
+    /// Responses of nearer points are extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the radius of the impulse responses of all points at an inverse depth. The
-    /// radius is the largest distance of a ray's landing point from the point's pinhole image, divided by the
-    /// film distance.
+    /// Returns an upper bound of the radius of the blur kernels at an inverse depth, divided by the film
+    /// distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the impulse response changes over the image, for points at one
-    /// inverse depth. If a point's pinhole image moves by 1 px, its rays land at most this many px from where
-    /// the same shift would move them.
+    /// Returns an upper bound of how fast the blur kernel changes over the image: px of a ray's displacement
+    /// per px of image position.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -183,9 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // A ray that passes only the model or only the traced lens has just one landing point on the film. Its
-    // error is the distance from there to the landing point of another ray: the nearest one in the pupil that
-    // passes both.
+    // A ray that only the model or only the traced lens transmits is compared with the nearest ray in the
+    // pupil that both transmit.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -33,8 +33,8 @@ struct ModelRay {
 /// point (u, v) and the field T. u and v are in pupil radii, with v along the field. T is the field tangent
 /// divided by the largest one.
 inline constexpr std::size_t pupil_terms = 13;
-/// The polynomial lens model has each term twice: as it is, and multiplied by the defocus K. K is 1/z' - 1/s
-/// for depth z' and focus distance s, divided by its largest value.
+/// The polynomial lens model has each term twice: as it is, and multiplied by the normalised defocus 1/z' -
+/// 1/s (depth z', focus distance s).
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
 /// In the polynomial lens model, the pupil is the intersection of three circles. This is one of them, in
@@ -69,11 +69,11 @@ struct LensModelRange {
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a_m to b_m, in equal steps of inverse depth; b_m may be infinite. Also returns
-/// `count` field tangents from 0 on. The chief ray of the largest tangent lands `field_mm` from the film
-/// centre.
+/// Returns `count` depths from a_m to b_m (may be infinite), in equal steps of inverse depth, and `count`
+/// field tangents from 0.
+/// - field_mm: distance from the film centre at which the chief ray of the largest tangent lands
 ///
-/// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands there.
+/// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -95,8 +95,8 @@ class LensModels {
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through the pupil point p
-    /// lands on the film at this point, relative to the chief ray:
+    /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through pupil point p
+    /// lands, relative to the chief ray, at
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

@@ -14,8 +14,7 @@ namespace {
 
 /// Number of points of the distortion curve. Cubic interpolation then has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// A field tangent (tangent of the angle from the axis) close to 0. The paraxial image scale, in mm on the
-/// film per unit of tangent, is measured with it.
+/// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
 constexpr double small_tangent = 1e-4;
 
 // Returns how far from the film centre the ray through the stop's centre lands, or a negative number if it is
@@ -74,9 +73,7 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Returns the mean weight of the rays that can reach one film point. Each point (u, v) of the unit square
-// selects a ray, and blocked rays have weight 0. For integration, the region of passing rays is divided into
-// triangles around its centre.
+// Returns the light at a film point: the mean weight of the rays to this point. Blocked rays have weight 0.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {

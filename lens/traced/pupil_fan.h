@@ -35,12 +35,11 @@ struct PupilFan {
     }
 };
 
-/// Traces a fan, which is a bundle of rays from one object point through the lens. The point has the inverse
-/// depth 1/z' and the field tangent `tangent` >= 0. The inverse depth is 0 at infinity, and negative for
-/// converging light.
-///
-/// `near_m` is the pupil point at which the search for passing rays begins. It is set to the centre of the
-/// passing rays. Returns false, and leaves `out` unchanged, if no light passes.
+/// Traces a fan: rays from one object point through the lens. Returns false if no light passes.
+/// - inverse_depth_per_m: 0 at infinity, negative for converging light
+/// - tangent: tangent of the field angle, >= 0
+/// - near_m: pupil point where the search for passing rays begins; set to the centre of these rays
+/// - out: the fan; unchanged if no light passes
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 

@@ -91,9 +91,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The object point is given by its depth and tangent from the pinhole, which stays in place when the lens
-    // moves for focusing. The entrance pupil moves with the lens, so the direction from a near point to the
-    // pupil changes.
+    // Focusing moves the entrance pupil, but not the pinhole from which the object's depth and tangent are
+    // measured.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -199,9 +198,8 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // x and x' are the distances of the object and the image from the focal points, and n' is the index
-    // behind the lens. Because x x' = n' efl^2, x + x' is at least 2 sqrt(n') efl. Moving the lens cannot
-    // focus nearer objects.
+    // The distances of object and image from the focal points have the product n' efl^2 (index n'), so their
+    // sum is at least 2 sqrt(n') efl.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {

@@ -28,9 +28,8 @@ void check_defocus(double u);
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scales of diffraction for a lens applied to a traced image: the defocus u, and the optical
-/// radius per pixel, v_per_px. v_per_px is 2 pi a / (lambda g), with aperture radius a and g = `gain_px`. u
-/// is v_per_px times half of `coc_diameter_px`.
+/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda `gain_px`), with
+/// aperture radius a, and u = v_per_px `coc_diameter_px` / 2.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 

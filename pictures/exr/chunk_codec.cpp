@@ -46,8 +46,8 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Computes prefix sums of the 8 bytes of a 64-bit word. Three times, adds to the word a copy of itself,
-    // shifted by 1, 2 and then 4 bytes, without carry between bytes.
+    // Computes prefix sums of the 8 bytes of a word: adds the word shifted by 1, 2 and 4 bytes, without carry
+    // between bytes.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {

@@ -101,8 +101,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // If a scanline image has no data window, the OpenEXR library assumes a small one. Its chunks then need
-    // hardly any memory, so the result is 0.
+    // Without a data window, the OpenEXR library assumes a small image, which needs hardly any memory.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

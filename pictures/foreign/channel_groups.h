@@ -35,12 +35,8 @@ inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", 
 inline constexpr std::string_view vector_words[]{"vector",        "vectors",        "forward",  "motion",
                                                  "*motionvector", "*motionvectors", "*velocity"};
 
-/// The view (such as the left eye) and the layer of one channel, or of all channels of one pass (such as
-/// depth).
-///
-/// Programs order the words of a channel name differently: LAYER.depth.Z, depth.LAYER.Z, or Z in a part
-/// depth_LAYER. So a layer is stored as the set of words that remain without the words for the view, the pass
-/// and the channel itself (Z or a colour).
+/// View (such as the left eye) and layer of a channel. Programs order names differently (LAYER.depth.Z,
+/// depth.LAYER.Z), so a layer is a set of words.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty

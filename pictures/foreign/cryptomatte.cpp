@@ -36,9 +36,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part of an OpenEXR file may contain Cryptomattes that belong to the colours in the part
-/// `own`. Deep parts may not. If there is a separate file for ids, only its parts may. Otherwise, only parts
-/// of the same stereo view may.
+/// Tells whether an OpenEXR part may contain the Cryptomattes of the part `own`. If a separate file for ids
+/// exists, only its parts may.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -166,9 +165,8 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest (names and ids) as valid JSON. The renderer Cycles does not escape quotation marks and
-/// backslashes in names, so this function escapes them. If the manifest is already valid JSON, it is changed
-/// only if this makes the hashes of the names equal the ids.
+/// Returns a Cryptomatte manifest (object names and ids) as valid JSON. The renderer Cycles does not escape
+/// quotation marks and backslashes.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

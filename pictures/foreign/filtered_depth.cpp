@@ -115,8 +115,8 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if depths change so little between two neighbours that such changes over a whole ramp make no
-    /// edge: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if depths change so little that such changes over a whole ramp make no edge: (1 + 1 /
+    /// 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -127,7 +127,8 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // Most pixels are far from an edge, so no length needs to be tried.
+            // Skips pixels without a depth edge nearby: depths change little over the length of the longest
+            // ramp.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -169,9 +170,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A ramp is a run of pixels in which a filter mixed the depths of two surfaces. If the depth hardly
-        // changes at an end of the run, the last pixel belongs to the surface beside the ramp. So no ramp
-        // ends there.
+        // A ramp (run of pixels with mixed depths) changes clearly at both ends. A flat end belongs to the
+        // surface beside it.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -193,8 +193,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel with mixed depths may be found along its row and along its column. Keeps the result in
-        // which the two surfaces' depths differ more, because a row along an edge may have only mixed depths.
+        // Prefers the search, along row or column, that found the larger depth difference: along an edge, a
+        // row may contain only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

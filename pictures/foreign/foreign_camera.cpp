@@ -74,8 +74,7 @@ std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const 
     const auto projection = projection_of(world_to_camera, world_to_ndc);
     if (!projection || is_parallel(*projection)) return std::nullopt;
     const double x = std::abs((*projection)[0][0]), w = std::abs((*projection)[2][3]);
-    // Normalised device coordinates (NDC) run from 0 to 1 or from -1 to 1. If they run from 0 to 1, the image
-    // centre is at 0.5, so the projection matrix adds 0.5 w to x. Otherwise, it adds nothing.
+    // If normalised device coordinates run from 0 to 1, not from -1 to 1, the image centre is at 0.5.
     const double middle = std::abs((*projection)[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

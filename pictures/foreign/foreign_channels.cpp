@@ -113,8 +113,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the channel that contains object ids, problems of other channels with ids do not
-        // matter, and are not reported.
+        // If the user names the channel with object ids, problems of other id channels do not matter.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));

@@ -108,8 +108,7 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// of the largest chunk in bytes.
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // A band of rows is read at once. With ZIP, the most common compression, it has only four chunks to
-    // decompress, so two threads suffice.
+    // With ZIP compression, a band of rows has only four chunks to decompress, so two threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);

@@ -33,11 +33,10 @@ struct StackSample {
 /// A stack of at most this transmittance is opaque. It is not 0, because alphas are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the transmittance of the samples behind the last opaque sample, or of the whole stack if no sample
-/// is opaque.
-///
-/// If the last sample is opaque, the scene behind it is not recorded. The result is then at most
-/// opaque_transmittance. But if `is_nothing_behind` states that this scene is empty, the result is 1.
+/// Returns the transmittance of the samples behind the last opaque sample, or of all samples if none is
+/// opaque.
+/// - is_nothing_behind: if the last sample is opaque, returns 1, because the scene behind it is known to be
+///   empty
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
@@ -117,9 +116,8 @@ struct ForeignPicture {
     /// Composites the samples of each pixel, and returns the image. Its `alpha` is empty if all pixels are
     /// opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// True if all stored pixels are opaque and no sample is a holdout, which hides what is behind it but has
-    /// no colour. Blur then makes pixels translucent only where the lens sees areas that are hidden in the
-    /// image.
+    /// True if all stored pixels are opaque and no sample is a holdout (hides what is behind it, but has no
+    /// colour).
     [[nodiscard]] bool is_opaque() const;
     /// Returns the depth, in metres, at which the composited alpha of a pixel reaches one half, or infinity.
     /// Throws Error(wrong_arguments) outside the stored pixels.

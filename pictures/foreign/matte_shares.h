@@ -21,9 +21,8 @@ class MatteShares {
     /// objects cover are computed from the Cryptomatte.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the Cryptomatte channels in `part` that the caller can read together with the colours. Returns
-    /// empty if the channels for the object that covers most of a pixel, which must be read first, are in
-    /// another part.
+    /// Returns the Cryptomatte channels in `part` that are read together with the colours; none if the first
+    /// Cryptomatte channels are in another part.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Receives the Cryptomatte values of `count` adjacent pixels, from the index `pixel` on. values[c]
     /// points to the values of channel c.

@@ -42,9 +42,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack (the samples of a pixel). The
-/// back image is added only behind this depth. If the stack transmits light, returns infinity, so that the
-/// back image is added at any depth.
+/// Returns the inverse depth, in 1/m, behind which the back image shows. It is infinite (depth 0) if the
+/// stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -72,17 +71,13 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the image that combines a front and a back image. `front` and `back`
-/// are their first rows.
-///
-/// If the front image begins inside the raster (front > 0), the area before it is empty, so the back image
-/// shows there. Otherwise, the front image may lack objects there, so nothing is added.
+/// Returns the first row (or column) of the combined image. The back image extends the front image only if
+/// `front` is inside the raster.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the image that combines a front and a back image. `front` and
-/// `back` are their ends, and `size` is the end of the raster. The back image extends the front image only if
-/// the front image ends inside the raster.
+/// Returns the end (last row or column + 1) of the combined image. The back image extends the front image
+/// only if `front` is inside the raster.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }

@@ -102,24 +102,20 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If the current mask has already selected samples of this pixel, chooses exactly these samples
-        // again.
+        // If the current mask already selected samples of this pixel, chooses the same samples.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Each mask states which fraction of a pixel one object covers. Different masks usually cover
-        // different objects, so samples that no other mask has selected are chosen first. Others follow if
-        // they are needed to cover the fraction.
+        // Masks usually cover different objects, so samples that no other mask has selected are chosen first.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for which wanted(sample) is true, until they cover the fraction `share` of the pixel.
-    /// Considers only samples as near as the nearest sample of the pixel. Returns the fraction that remains
-    /// uncovered.
+    /// Chooses `wanted` samples at the depth of the nearest sample, until they cover the fraction `share`.
+    /// Returns the fraction that is still missing.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

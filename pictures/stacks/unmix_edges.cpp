@@ -13,9 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Pixels that show several surfaces are divided with the help of nearby pixels that show only one of these
-/// surfaces. These are the search radii, in px. The larger one is for depths averaged by a filter, which
-/// affects neighbouring pixels, too.
+/// Search radii, in px, for pixels that show one surface. Filtered depths need the larger one, because a
+/// filter also mixes neighbouring pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;

@@ -1,5 +1,4 @@
-// Describes the parts of a sample file, which is an OpenEXR multi-part file: their names, channels and data
-// windows. The part `scanlines` contains a summary of each row of records (samples).
+// Describes the parts of a sample file, a multi-part OpenEXR file: names, channels and data windows.
 #pragma once
 
 #include <array>
@@ -58,9 +57,8 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of the part `scanlines` in a sample file. It contains the summary of one row of samples, and the
-/// checksum of the same row of the pinhole image. This checksum is 0 if the row lies outside the image. In
-/// the file, a checksum of y and all fields follows.
+/// A row of the part `scanlines` of a sample file, followed in the file by a checksum. `picture_checksum` is
+/// for a pinhole image row; 0 outside.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;

@@ -12,8 +12,7 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// the numbers of all elements in order; all are finite, and normalised integers are scaled to [0, 1] or
-    /// [-1, 1]
+    /// all numbers, element by element: finite, and normalised integers scaled to [0, 1] or [-1, 1]
     std::vector<float> values;
 };
 

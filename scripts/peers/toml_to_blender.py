@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 takes the times of samples from a table of 256 entries. With a box-shaped shutter curve, the times in this
-# table cover only 254/256 of the frame. The exposure is corrected for this, unless --whole-frame is given.
+# Cycles 3.4 tabulates shutter times in 256 entries. A box shutter then covers only this fraction of the frame, and
+# exposure is corrected.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Computes the checkerboard by mathematical nodes, because Blender's Checker Texture node would shift the borders of
-    # its cells. A cell may be infinitely long along an axis, where 1 / length is 0.
+    # Blender's Checker Texture node would shift the cell borders, so nodes compute the pattern. An infinitely long cell
+    # has the reciprocal 0.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
