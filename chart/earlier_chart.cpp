@@ -49,7 +49,6 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
     if (from.key != key) {
-        // The file describes another scene or view. It is an error only if this run would overwrite the file.
         if (!own) return false;
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew",

@@ -92,8 +92,6 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Number of table steps per axis. The table stores the light that cat's-eye vignetting transmits, by
-    /// image position.
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

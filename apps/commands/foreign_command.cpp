@@ -159,7 +159,6 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // A sample file describes its own camera, so options for foreign images are refused.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",

@@ -55,8 +55,6 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Refuses to divide an image that one machine must make: with --explain, or if the method `auto` measures
-/// the image's error (`decides`).
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {

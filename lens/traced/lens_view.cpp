@@ -73,7 +73,6 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Returns the light at a film point: the mean weight of the rays to this point. Blocked rays have weight 0.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {

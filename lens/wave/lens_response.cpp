@@ -237,7 +237,6 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Distance, in px, by which spherical aberration displaces a ray through the rim of the lens.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);
