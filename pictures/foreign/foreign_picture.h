@@ -35,8 +35,7 @@ inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of the samples behind the last opaque sample, or of all samples if none is
 /// opaque.
-/// - is_nothing_behind: true if the scene behind is empty. Behind an opaque last sample, the result is
-/// then 1.
+/// - is_nothing_behind: the scene behind is empty; behind an opaque last sample, the result is then 1
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
