@@ -93,8 +93,8 @@ std::string caption(const AtlasEntry& e) {
         const auto& causes = atlas_causes();
         const auto cause = std::find_if(causes.begin(), causes.end(),
                                         [&](const AtlasCause& c) { return c.word == e.what.cause; });
-        out += fmt::format("; {:.0f} % of the squared error comes from {}", 100 * *e.result.named_share,
-                           cause->source);
+        out += fmt::format(" `compare --map-causes` finds that {:.0f} % of the squared error comes from {}.",
+                           100 * *e.result.named_share, cause->source);
     }
     return out + ".";
 }
