@@ -24,8 +24,7 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Depth edges are found up to this distance, px, from the traced window, because a lens may see
-// past them into the window.
+// Depth edges are found up to this many px outside the traced window, because a lens may see past them.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -180,7 +179,6 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants up to the recorded instants before and after `at_s`, to find surfaces that motion reveals.
 std::vector<double> instants_near(const SceneMotion& motion, double at_s,
                                   const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;

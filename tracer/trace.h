@@ -35,11 +35,10 @@ struct TraceSettings {
     /// `degrees_per_key` for methods that also trace rays. It is larger, because rays replace missing
     /// surfaces.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of changing light alone, if `keys` is absent. It allows half the squared error
-    /// of 40 dB, the default target.
+    /// Target PSNR, dB, of changing light alone, if `keys` is absent: half the squared error of the 40 dB
+    /// target.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays. A target that is 12 dB lower needs
-    /// half as many recorded instants.
+    /// `light_db` for methods that also trace rays. 12 dB less halves the number of recorded instants.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
@@ -87,8 +86,8 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Set only if `keys` was chosen automatically: the turn of an object or the camera during the shutter
-    /// interval, and the reason for `keys`.
+    /// Only if `keys` is chosen automatically: the turn, degrees, of an object or the camera, and the reason
+    /// for `keys`.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

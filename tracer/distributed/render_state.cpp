@@ -30,8 +30,7 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Number of 32-bit words per pixel: 3 for the mean colour. Each half of the samples adds a count and 6
-// words per sum of radiance.
+// A sum of RGB doubles takes 6 words, because a double takes two 32-bit words.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));

@@ -18,8 +18,7 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // A ray samples a glossy lobe or an area light at random, so its radiance
-        // differs from the recorded mean.
+        // Noisy: rays sample glossy lobes and area lights at random, but the sample file stores the mean.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }

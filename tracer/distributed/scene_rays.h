@@ -14,7 +14,7 @@ namespace postlens {
 class SceneRays : public SightRays {
   public:
     /// - `setup`: kept as a reference; must not have a lens prescription
-    /// - `lines`: largest number of rays per pixel; their samples of lights and glossy lobes are stratified
+    /// - `lines`: largest number of rays per pixel
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,

@@ -27,8 +27,7 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest position error, px, of a box moved by `taken` instead of `truth`. The error in metres
-// is convex, so corners suffice.
+// `taken` approximates `truth`. Corners suffice, because the error in metres is convex.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -78,8 +77,8 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // Embree interpolates the boxes linearly. The margin is the largest deviation at tested instants,
-    // `excess`, plus bend / 4 for the time between them.
+    // `excess` is the error of Embree's linear interpolation at tested instants; `bend`, a second difference,
+    // bounds the rest.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -59,8 +59,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Dimmer images of bright objects in mirrors and glass are not searched for. The radiance 0.0144 is
-/// an sRGB value of 1/8.
+/// The sRGB value 1/8 as radiance. Dimmer images in mirrors and glass are ignored.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -121,8 +120,6 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // The vector from a bright object's centre to a ray is modelled as linear in the
-        // ray's position within the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -132,8 +129,7 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell ends at 0.5 cell widths from its centre. The value 0.55 and the factor 1.1 allow for
-        // errors of the linear model.
+        // More than 0.5 cell widths and one radius, because the position is only approximated linearly.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

@@ -159,8 +159,7 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Models radiance as plus + times * texel, where `texel` is a texture colour. `times` is the largest
-        // ratio, so that contrast is not underestimated.
+        // `times` is the largest ratio of radiance to texture colour, so that contrast is not underestimated.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

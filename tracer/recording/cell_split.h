@@ -68,8 +68,8 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point of the first sample, and the points of the other samples with
-    /// the same object and bounces.
+    /// Returns the first sample's n-th surface point and the points of other samples with equal object and
+    /// bounces.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the index of the surface point hit after the bounces `path`. Tests index `guess` first.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,

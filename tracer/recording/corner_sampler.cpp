@@ -61,11 +61,8 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel. The functions must be thread-safe.
-    // - `fill(i, keys)`: sets the positions of the points of batch i
-    // - `traced(index, sample)`: receives each new sample
-    // - `around(key)`: returns earlier samples near a position
-    // - `for_comparison`: the samples are not recorded
+    // Traces batches of points in parallel: `fill` sets the positions, `traced` receives the samples. All
+    // functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {

@@ -43,7 +43,6 @@ struct View {
     }
 };
 
-// Returns `views` and the camera's poses at keyframes within their time range, sorted by time.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;

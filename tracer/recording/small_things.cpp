@@ -330,15 +330,12 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // average out.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. A piece needs three or more quadtree cells, so half as many pieces as
-    // allowed cells are too many.
+    // Limits memory: a piece needs at least three quadtree cells, so this many pieces need too many cells.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Number of quadtree cells: those of width find_px that cover the object, and those of
-    // width outline_px along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

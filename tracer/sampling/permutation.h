@@ -22,8 +22,7 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift uses the highest 4 bits of `offset_`, and `step` the lowest `bits` bits,
-            // so that both are independent.
+            // Takes the highest 4 bits of the offset, because `step` uses only the lowest `bits` bits.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -36,8 +35,7 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each x in [0, n) by its image under the permutation. An image outside [0, n)
-    /// is mapped again (cycle walking).
+    /// Replaces `lanes` integers x in [0, n) by their permuted values (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -45,8 +43,6 @@ class Permutation {
     }
 
   private:
-    /// Applies the bijection of [0, 2^bits) to all x, or only to those >= n. Returns
-    /// true if an x >= n remains.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;

@@ -57,7 +57,7 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Point patterns for blocks of floor(n / blocks_) samples, and for blocks of one sample more.
+    /// Point patterns of floor(n / blocks_) points and of one more, because n / blocks_ may have a remainder.
     std::array<Patterns, 2> sizes_;
 };
 

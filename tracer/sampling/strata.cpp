@@ -16,8 +16,8 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Divides by an integer up to 2^20 by multiplying by its reciprocal. Adding 0.5 to the dividend makes
-/// rounded quotients up to 2^24 exact.
+/// Multiplies by the reciprocal. Exact for divisors up to 2^20 and quotients up to 2^24, because 0.5 is
+/// added.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;

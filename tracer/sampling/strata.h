@@ -27,7 +27,7 @@ class Strata {
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but the cells are n equal intervals of [0, 1).
+    /// Sets `u` to stratified 1D points, one in each of n equal intervals. Parameters as in fill_2d.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

@@ -1,5 +1,4 @@
-// Counts glossy materials and area lights. A sample file stores only the mean of their light over
-// the lobe or the area.
+// Counts glossy materials and area lights, because a sample file stores only the mean of their light.
 #pragma once
 
 #include <cstdint>

@@ -75,8 +75,8 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns k, so that k x k shadow rays have a standard deviation of 2/255 of white. A radiance L has the
-// deviation L / (2 k^1.5), because a shadow edge crosses about k cells.
+// k solves target_noise = sqrt(k) (L / 2) / k^2 at radiance L, because a shadow edge crosses k of k x k
+// cells.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

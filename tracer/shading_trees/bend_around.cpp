@@ -28,7 +28,7 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the hits of one sample that are seen after the same bounces at the same objects as a given hit.
+/// Summary of the hits in one sample that are seen in the same mirrors and glass objects as a given hit.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -23,12 +23,11 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the lit surface hit if its radiance is clamped (LimitedNode).
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// Sums the light of all sources at a surface hit before the hit's radiance is clamped.
+/// A surface hit whose radiance is clamped only after the light of all sources is added.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

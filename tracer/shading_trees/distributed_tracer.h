@@ -39,8 +39,7 @@ struct EyeRays {
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// One surface point per ray, or empty. If set, only the excluded light of the point (`left_out`)
-    /// is computed, and not `radiance`.
+    /// If not empty, one surface point per ray: only the radiance that `less` excludes there is computed.
     std::vector<NodeIdentity> left_out_of;
 };
 

@@ -21,8 +21,7 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them. More
     /// are rarely visible in an image.
     static constexpr int most_uncovered = 4;
-    /// Largest number of recorded hidden surfaces per ray that only a wide lens reveals. Motion reveals more
-    /// behind an edge than a lens.
+    /// Largest number of hidden surfaces per ray that are recorded only because a wide lens reveals them.
     static constexpr int most_seen_past = 3;
     /// A part of a hidden surface up to this width, px, counts as invisible. It covers at most a quarter of a
     /// pixel, that is, about one of the four or more samples that the pixel averages.
@@ -54,8 +53,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, of the image of an infinitely distant point. A curved mirror shows
-    /// it at a finite depth.
+    /// Returns the inverse depth, 1/m, at which infinitely distant points appear: not 0 if a curved mirror
+    /// reflects them.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

@@ -137,7 +137,6 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search,
     // needed.
     if ((seen.*peek)(cone_for(covers.nearest), hint)) return true;
     const double radius = k * (covers.nearest - behind) + margin_px;
-    // A fast test with an upper bound of the inverse depths rejects most rays.
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;
     // A nearer surface beside the covers may hide their edge.

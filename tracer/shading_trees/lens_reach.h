@@ -30,8 +30,8 @@ class LensReach {
     /// Margin, px, around the strip seen past an edge, because edges are found only to a pixel and whole
     /// pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// Two image positions lie on different sides of a depth edge if their parallax over the lens radius is
-    /// at least this fraction of their distance.
+    /// A depth edge lies between two pixels if their parallax from lens centre to rim is at least this
+    /// fraction of their distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
@@ -59,7 +59,8 @@ class LensReach {
     /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
     /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Like may_see, but for an infinitely distant surface behind those in `covers`.
+    /// Returns true if the lens may see the infinitely distant background past the surfaces in front,
+    /// `covers`.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -84,7 +85,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Parallax, px, between the centre and the rim of the lens per difference of inverse depths, 1/m.
+    /// Parallax, px, from lens centre to rim per 1/m of difference in inverse depth.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -18,8 +18,7 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Limits the weight of a ray into a glossy lobe when a neighbouring hit uses it
-// too. High weights cause noise.
+// Limits the weight of rays borrowed from neighbouring surface hits, because high weights cause noise.
 constexpr double most_weight = 8;
 
 // True if two surface hits may share rays to average over their glossy lobes.
@@ -29,8 +28,7 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Weight of a ray of hit b in the mean over the glossy lobe of hit a. It falls to 0 with the distance, so
-// that the mean is continuous.
+// Weight that falls to 0 at the distance `reach_px`, so that the mean changes continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -117,7 +115,7 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces rays into glossy lobes, sorted by `nodes_left`, the number of surfaces that may still follow.
+// Requires `rays` sorted by `nodes_left`, because a batch of rays has one limit of bounces.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -196,7 +194,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // If `weight` is NaN, std::min returns `count`, so that every hit sends one test ray (pilot).
+        // If `weight` is NaN, std::min returns `count`.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
@@ -224,8 +222,6 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Estimates how many hits share their rays with this hit. To save time, only
-            // every `stride`-th hit is tested.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -25,8 +25,6 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Estimated error after the first Newton step, as a fraction of this step.
 // After later steps, the error is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Opposite lens points are skipped if the first two rays deviate from their linear prediction by at
-// most this fraction of `settled_px`.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through to reach a hidden surface behind them.
@@ -157,8 +155,8 @@ bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds rays from lens points to given surface points by Newton's method. A ray's departure is the deviation
-/// of its tangent from a linear prediction.
+/// Newton's method for rays from lens points to given surface points. A departure is a ray's deviation from
+/// linear change over the lens.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -166,7 +164,6 @@ struct Search {
     std::vector<bool> ended;  ///< one of its rays is lost
     /// Per node, the greatest departure of its converged rays.
     std::vector<double> greatest;
-    /// Per surface point, a lower bound of the largest departure of a ray from its linear prediction.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -225,8 +222,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the largest departure per surface point counts, so the search for a ray with
-            // a smaller departure ends early.
+            // Rays that deviate little from linear change end early, because only the largest deviation is
+            // used.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -269,7 +266,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens reached the surface point, so the result is unknown.
+    // Negative: no ray from the lens reached the surface point, so the result is unknown (infinite).
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -32,8 +32,7 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position with respect to the slopes of the eye ray
-    /// along raster x and y.
+    /// Derivatives of the hit's world position by the eye ray's slopes x / z and y / z along the raster axes.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -24,8 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. Glossy lobes wider than the lens are averaged. For narrower ones, only the exact
-    /// direction is traced. If 0, all are averaged.
+    /// Lens radius, m. Only glossy reflections that are wider than the lens are averaged. If 0, all are
+    /// averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -104,8 +104,8 @@ class WhittedTracer {
     /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// If nonlinear motion over the lens displaces an image by less than this, px, `w_bend` may be estimated
-    /// from neighbours with different values.
+    /// Deviation from linear motion over the lens, px, below which it is estimated even if neighbouring
+    /// samples differ.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -80,14 +80,10 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Reflected and refracted rays and their first hits. A lens may also see hidden
-        // surfaces in mirrors and glass.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only to measure `w_bend`, the nonlinear motion of an image over the lens. `bounces` lists the
-        // objects at which rays bounced.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
