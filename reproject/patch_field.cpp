@@ -280,7 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Even where rays replace all colours, depths are needed, because surfaces hide highlights.
+        // Depths are needed even where rays replace all colours, because surfaces may hide highlights
+        // (`lights`).
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -333,8 +334,6 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds the colours that the view takes from its recorded instant `u` (0 or 1) to the sum over all views.
-    /// `trees`: whether to include reflections and refractions.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;

@@ -39,7 +39,7 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Copied into every ray (SightLine) that is traced for this image. `number` becomes SightLine::view.
+    // Values for the rays that are traced for this view; SightLine documents them.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -93,8 +93,8 @@ struct PatchField {
     /// Returns the number of an object's motion group; the objects of a group move alike. Needed only if
     /// objects move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each motion group: bits to set in PatchPicture::touched where the group may change a pixel; 0 at
-    /// rest. Without this list, `touched` is not computed.
+    /// Bits that mark, in PatchPicture::touched, where each group of objects may change a pixel (0 at rest).
+    /// If empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
@@ -103,11 +103,11 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// Rectangle of recorded pixels; the end is exclusive. Pixels that an unrecorded object from outside may
-    /// cover count as unknown. Required if rays are traced.
+    /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
+    /// traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest |x| and |y| of all lens points, in m, times the film distance in px. It bounds how far the
-    /// lens displaces surfaces. Required with rays or highlights.
+    /// Half width and height of the lens, in m, times the film distance in px. Required with rays or
+    /// highlights.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -192,16 +192,15 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: weighted fraction of the views with an unrecorded reflection or refraction. It is reduced
-    /// if the missing light is known to be darker than the pixel.
+    /// Per pixel: fraction of views, by weight, whose reflection or refraction is missing; less if its light
+    /// is known to be dark.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
     std::vector<float> traced;
     /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
     std::vector<PixelCheck> checks;
-    /// Per pixel: rays that measure the error of the highlights' light. Empty without highlights or without
-    /// PatchViews::checked.
+    /// Per pixel: measured error of its highlights. Empty without highlights or without PatchViews::checked.
     std::vector<HighlightCheck> highlight_checks;
     /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
     /// Lights::add). Empty if the image has no highlights.

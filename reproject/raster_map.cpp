@@ -61,8 +61,7 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // For an orthographic camera, the matrix acts on z instead of 1/z. `by_depth` converts slopes of 1/z to
-    // slopes of z.
+    // For an orthographic camera, the motion's matrix acts on z, so slopes of 1/z become slopes of z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

@@ -55,9 +55,8 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// Displacement, in px, of a surface point's image if a lens point sees it instead of the pinhole:
-/// `(I / s - W) lens_px + offset_px`. I is the unit matrix, s the focus distance, and W the point's matrix (I
-/// / depth if seen directly).
+/// How a lens point displaces the image of a surface point, in px: `(I / s - w) lens_px + offset_px`.
+/// I: unit matrix; s: focus distance, m; w: I / depth if the point is seen directly, otherwise Record::w.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

@@ -131,11 +131,9 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels in which an unrecorded surface may lie: those beyond the displaced border pixel
-        // `s`, at its depth. `along`: position on the border, in px.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // One pixel more on each side, because the surface may continue obliquely to the border.
+            // One pixel more on each side, because the surface's outline may meet the border at an angle.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

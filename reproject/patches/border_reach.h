@@ -50,8 +50,6 @@ class BorderReach {
         std::vector<Cell> cells;
         /// Largest displacement of this side's pixels in any view: into the image, and along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px`, with a tolerance
-        /// of `around_px` per axis.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;

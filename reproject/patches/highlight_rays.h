@@ -18,8 +18,8 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Traces rays towards highlights to measure the error of `light` (from Lights::add), and stores the
-    /// results in `sums`. `checks` counts the rays of the first round.
+    /// Measures the error of `light`, the highlights' light in the image, with traced rays; stores it in
+    /// `sums`. `checks` counts rays that are not in `sums`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

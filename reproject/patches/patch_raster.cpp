@@ -41,8 +41,6 @@ struct Run {
     }
 };
 
-/// Consecutive samples of an image row, for SIMD code: the patch's pixel (`cell`) that each sample hits, the
-/// position in that pixel, and the inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
@@ -303,8 +301,6 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;
     draw_rows_in(*run, wanted.in.data(), parent_id, seen_in(out));
-    // In pixels where the mirror or glass itself is unrecorded, only accurately reprojected patches are
-    // drawn.
     if (!wanted.any_gaps || patch.bent) return;
     draw_rows_in(*run, wanted.in.data(), WantedPixels::in_gap(parent_id), seen_in(out));
 }

@@ -18,15 +18,13 @@ namespace postlens {
 /// all instants of an image.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`, of which only `motion_class`, `lens_reach_px` and `sets` are used.
+    /// Keeps a reference to `field`.
     explicit PatchSweep(const PatchField& field);
     /// Returns the rectangle that contains the patch in all views, in raster px. It is empty if no view uses
     /// the recorded instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Lower and upper limits of LensShift over all views. They bound the position of a static patch, because
-    /// it is an affine function of LensShift.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves

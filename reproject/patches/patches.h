@@ -37,9 +37,9 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Bounds the distortion of a part of a surface by motion, over all views. Empty if nothing moves.
+    /// Returns the largest distortion of a part of a surface by motion. Empty if nothing moves.
     /// - `middle`: centre of the part
-    /// - `slope`: gradient of its inverse depth
+    /// - `slope`: gradient of its inverse depth, per px
     /// - `reach`: half its size, in px
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
@@ -82,8 +82,8 @@ struct PatchMesh {
     /// For each patch, linear functions of position (px from its corner): inverse depth and, if stored, xx,
     /// xy, yx and yy of Record::w.
     std::vector<CellPlane> planes;
-    /// Per sheet: bits (child_bit) of the reflection and refraction that are drawn as if painted on the
-    /// surface (PatchLens::follow_px).
+    /// Per sheet: bits (child_bit) of the reflection and refraction that move with the surface
+    /// (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
     /// Returns the bits (child_bit) of the reflection and refraction that are drawn separately, because they

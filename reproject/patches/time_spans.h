@@ -9,8 +9,7 @@
 
 namespace postlens {
 
-/// The first and last view in 1/64 of the exposure. Between them, a moving surface is assumed to deviate from
-/// a straight line by at most the line's length.
+/// The first and last view within a time span of 1/64 of the exposure.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,8 +18,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Groups the views that show moving surfaces, as recorded at `instant`, by time. Without rays, each view is
-/// a span of its own. The result points into `field`.
+/// Groups by time the views that show motion and use the recorded instant `instant`. The result points
+/// into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// If a reflected or transmitted surface is recorded in less than this fraction of the views, the pinhole's
-/// radiance is blended in.
+/// Below this fraction of views that show a reflected surface, its radiance seen from the pinhole is blended
+/// in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -83,8 +83,6 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Where the mirror or glass is unrecorded, the surface is drawn only inside the same object, such as
-        // a glass ball (id_around).
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -217,7 +215,6 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // Views in which the mirror or glass is unrecorded are assumed to see the mean of the other views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

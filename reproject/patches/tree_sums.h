@@ -30,11 +30,10 @@ class TreeSums {
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins one recorded instant of a view. `primary`: the visible surfaces, valid until all pixels have
-    /// been added.
+    /// Sets the directly visible surfaces of a view. `primary` must stay valid until all pixels are added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Finds the pixels `wanted` in which surfaces seen by `path`, a sequence of bounces, are drawn. Returns
-    /// the tile to draw into, or null. Draw shorter paths first.
+    /// Finds the pixels (`wanted`) that show surfaces seen by `path`. Returns the tile to draw into, or null.
+    /// Call for shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
@@ -46,7 +45,7 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds reflections and refractions in pixel k to `sum` (radiance times `weight`). Returns the weight of
-    /// views that lack some, less if those are dark.
+    /// views that lack some.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -74,8 +73,6 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Upper bound of the radiance that is missing if surfaces seen by this sequence of bounces, or by
-        /// longer ones, are unrecorded.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -85,14 +82,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the surfaces seen in a mirror or glass that is itself unrecorded in pixel k. Returns whether
-    /// there are any. `chain`: bounces up to the mirror or glass.
+    /// If the mirror or glass is missing in pixel k, adds the surfaces seen in it; returns whether any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the mirror or glass at the last bounce of `chain` in pixel k or, if it is
-    /// unrecorded, of the recorded object in front of it.
+    /// Returns the id of the farthest object along the bounces of `chain` that pixel k shows.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// The first call for a tile sets the sums of all its pixels to 0.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

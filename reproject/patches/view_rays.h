@@ -34,8 +34,8 @@ struct ShownView {
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of recorded instant `u` (0 or 1) in pixel `k`. Of two different surfaces, only the
-    /// nearer one counts, unless its outline is imprecise.
+    /// Returns the weight of recorded instant `u` (0 or 1) in pixel `k`. Of two surfaces, usually only the
+    /// nearer counts.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -45,8 +45,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether the outline at recorded instant `u` is the less precise one: the object was recorded
-    /// at a smaller size, with quadtree cells larger than a pixel of the view.
+    /// Returns whether the outline in pixel `k` is less precise at instant `u` than at 1 - u (object recorded
+    /// smaller).
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
     /// (x, y) is the pixel's position in the tile.
@@ -81,8 +81,8 @@ class RaySamples {
     /// something moves, also schedules rays for all mirrors and glass, because a reflection moves differently
     /// from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays where `trees`, the reflections and refractions recorded at instant `u` (0 or 1), do not
-    /// determine the light of a pixel.
+    /// Schedules rays for pixels whose reflections or refractions, `trees`, are missing or inaccurate at
+    /// recorded instant `u` (0 or 1).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -91,8 +91,6 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// A quick test before the slower ones of set_aside: lists the pixels whose colour is missing or may be
-    /// uncertain.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -111,8 +109,8 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores recorded colours, for comparison with rays, except those that rays replace. Call for each
-    /// recorded instant `u` of view `number`. `trees` may be null.
+    /// Stores the colours of selected pixels, to compare them with rays. Call for each recorded instant `u`.
+    /// `trees` may be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -124,8 +122,6 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Radiance times weight, and the weight (w): `noted_` per selected pixel of the current view,
-    /// `recorded_` per traced ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -97,9 +97,7 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// `key_pieces_`: for each surface, its number of pieces; sort_pieces replaces it by the end of these
-    /// pieces in `sorted_`.
-    /// `key_group_`: for each surface, the first of its groups in `groups_`.
+    /// Per surface; after sort_pieces, `key_pieces_` holds ends in `sorted_` instead of counts.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

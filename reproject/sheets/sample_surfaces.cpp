@@ -32,8 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Inverse depths. For a perspective camera, the hits are across / far apart, so the slope is
-    // (1 / far - 1 / near) / (across / far) = (near - far) / near / across.
+    // Perspective slope by inverse depths: (1 / far - 1 / near) / (across / far) = (near - far) / near /
+    // across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -140,8 +140,6 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and flags of reflected and transmitted hits to the mirrors and glass that show them.
-/// Updates TreeSurface::strays, infinite for hits above `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

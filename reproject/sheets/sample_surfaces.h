@@ -34,9 +34,8 @@ struct TreeSurface {
     /// The radiance that is seen in this surface: [0] by reflection, [1] by transmission. It includes light
     /// that arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// Largest difference in motion over the lens between this surface and its reflection [0] or refraction
-    /// [1]: spectral norm of the difference of W, in 1/m. Infinite for bright light, which is drawn
-    /// separately.
+    /// Largest relative motion over the lens, in 1/m, of the reflection [0] and refraction [1]; infinite for
+    /// bright light.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -48,7 +47,7 @@ struct TreeSurface {
 /// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
 /// camera, it is in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the argument `across` of is_one_surface for rays that are one pixel apart.
+/// Returns the width of a pixel divided by the film distance or, for an orthographic camera, the width in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
@@ -70,10 +69,10 @@ struct SampleTrees {
     bool any_below = false;  ///< false if all `below` are black
 };
 
-/// Converts all hits of eye rays to surfaces.
+/// Finds all surfaces that eye rays hit, directly (`primary`) or by reflection and transmission (`deeper`).
 /// - `points`: the eye rays, read from `band`, from row `y_begin` on
-/// - `bright_above`: surfaces brighter in any channel are drawn separately from their mirror or glass
-/// - `primary`, `deeper`: receive the surfaces seen directly, and those reflected or transmitted
+/// - `bright_above`: radiance above which a reflection or refraction is drawn separately from its mirror or
+///   glass
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

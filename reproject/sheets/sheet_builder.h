@@ -30,8 +30,6 @@ class SheetBuilder {
     /// Returns the flags (RecordMark) that the records at all four corners of the quadtree cell have, such as
     /// "texture finer than the samples".
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the reflected or transmitted light in a cell is uncertain: its contrast between the
-    /// corners is high, or all corners have the same RecordMark flag.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);

@@ -18,8 +18,6 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Lengths of the joined lists before the lists of one task are appended. They are added to the indices of
-/// the task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
@@ -166,8 +164,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row is read again with the rows below. So `also` receives it only then, or here at the end
-        // of the file.
+        // Skips the last row, which is read again with the rows below, except at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -197,8 +194,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // Copied first: inside `choice.squares`, this thread may run another task, which overwrites its
-            // buffer `made`.
+            // Copied first, because `choice.squares` may run another task on this thread, which overwrites
+            // `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

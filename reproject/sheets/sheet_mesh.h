@@ -58,8 +58,7 @@ struct Texel {
 
 /// Node of the colour quadtree of one pixel of a surface:
 /// - `none`: the surface is absent
-/// - `maybe`: uncertain, because an edge crosses the cell and the ray through its nearest corner hit a
-///   farther surface
+/// - `maybe`: the surface may be present or absent, because an edge crosses the cell
 /// - with the bit `leaf`: index of its colour (Texel)
 /// - otherwise: index of its first child, in the order up-left, up-right, down-left, down-right
 struct SheetNode {
@@ -122,8 +121,8 @@ struct SheetMesh {
     /// For each pixel of each surface: root of its colour quadtree. In `coarse`, for blurred surfaces, fully
     /// covered pixels have only one colour.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel of each surface: `values` linear functions about the pixel's centre, for inverse depth
-    /// (1/m) and, if `values` is 5, for the entries of W.
+    /// For each pixel, relative to its centre: planes of inverse depth (1/m) and, if `values` is 5, of
+    /// Record::w.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
@@ -171,12 +170,12 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional. Removes unneeded surfaces from `some`: part number `part`, from the left, of the row of
-    /// squares at raster row y. Called by several threads.
+    /// Optional: removes unneeded surfaces from `some`, part number `part` of the row of squares at y. Called
+    /// by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Appends to `parts`, from left to right, the surfaces of a row of squares that `rows` excludes from
-    /// reading.
+    /// Optional: for a row of squares not read from the file (see `rows`), appends its known surfaces, left
+    /// to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -188,8 +187,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects the highlights again, by a new rule with the same limit `rule.above`. The result is bit-identical
-/// to tree_sheets with the new rule.
+/// Selects highlights by a new rule with the same `above`. The result is bit-identical to tree_sheets with
+/// that rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens
