@@ -47,9 +47,8 @@ struct ChartPoint {
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Times, in s, if one call makes many images, one value per repetition. Empty if not timed.
-    /// - first_of_many_s: the first image, including reading the file
-    /// - further_s: each further image
+    /// Seconds per image when one call makes several images: the first image (including reading the file),
+    /// and each further one. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -57,8 +56,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the seconds per image if `pictures` images share the tracing time of `from` equally. If
-    /// `pictures` is infinite, tracing adds nothing.
+    /// Returns the mean seconds per image for `pictures` images (may be infinite), including the tracing of
+    /// `from` (may be null).
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

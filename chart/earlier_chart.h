@@ -23,16 +23,14 @@ namespace postlens {
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements of an earlier chart, stored in `path`, to `data`. If both contain the same point,
-/// the one measured in more rounds is kept. Returns true if the chart was measured on another machine.
-///
-/// A chart with another chart_key (another scene or view) is ignored. But if `own` is true, `path` is the
-/// file that this run will write, and Error(wrong_arguments) is thrown.
+/// Adds the measurements in the file `path` to `data`. Returns true if another machine made them.
+/// - `key`: a file with another chart_key is ignored
+/// - `own`: if true, throws Error(wrong_arguments) instead of ignoring the file, because this run writes to
+///   it
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts the measurements in `data` into the order of the plan: the sample files (traces) and the points
-/// (methods with settings). Adds an empty entry for each one that is missing.
+/// Sorts `data` into the order of `plan`, and adds an empty entry for each missing measurement.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

@@ -24,8 +24,8 @@ class PointPictures {
     /// the file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes the image for a data point of the chart, i.e. by its method with its settings. Uses the given
-    /// lens and the open sample file `frame`.
+    /// Makes the image with the method and settings in `p`, for the given lens, from the open sample file
+    /// `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -216,8 +216,6 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // An object cut off by the border of the recorded area only counts if the motion moves the cut into
-        // the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))

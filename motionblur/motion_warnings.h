@@ -43,14 +43,13 @@ class UnseenMotion {
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether a part of an object is missing during the exposure, because it was outside the recorded
-/// area.
-/// - `instants`: bounding boxes of the objects at the usable recorded instants, the frame's time first
+/// Returns whether a part of the object that lies outside the traced area would be visible during the
+/// exposure.
+/// - `instants`: bounding boxes of all objects at the usable instants, the frame's time first
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that the border of the recorded area cuts off (is_cut). If
-/// the camera moves, objects blurred by `lightfield` are exempt.
+/// Adds the warning "overscan" if the border of the traced area cuts off moving objects.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

@@ -15,10 +15,10 @@ namespace postlens {
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces pixels over which nothing moves (`touched` is 0) by the mean of all recorded instants, because
-/// shadows and lights may change.
+/// Replaces static pixels (`touched` is 0) by their mean over all instants, because shadows and lights may
+/// change.
 /// - `shares`: weights of the instants
-/// - `elsewhere`: sorted ids of moving objects; instants at which a pixel shows one are left out
+/// - `elsewhere`: sorted ids of moving objects; a pixel's mean leaves out instants at which it shows one
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

@@ -73,8 +73,6 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles with the most uncertain error of recorded colours. The other tiles contribute at most
-/// `most_variance` to the variance of the image's error.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -142,8 +140,7 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
 
 /// Makes the image by the method `layers`, or returns nothing if drawing 16 views is faster.
 std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Measured times per recorded surface sample and per addition to a pixel, relative to reprojecting one
-    // pixel of a view (0.1 to 0.4 us).
+    // Measured times per sample and per addition to a pixel. Unit: time to reproject one pixel.
     constexpr double views_of_record = 2, views_of_sum = 0.5;
     const SampleHeader& h = frame.file().header();
     double left = first_views * static_cast<double>(h.width) * h.height;
@@ -247,8 +244,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More lens points do not reduce the error of highlights, so the noise need not be much smaller
-            // than this error.
+            // More views do not reduce the error of highlights, so the noise need not be far below it.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

@@ -151,8 +151,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // Makes a reference with correct occlusion and motion from the same samples. Where the reference is much
-    // better than the image, the image's method caused the error.
+    // Reference with correct occlusion and motion: if it is much better, the image's method caused the error.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -225,13 +224,10 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Additional instants can add missing surfaces or new colours. Almost nothing was missing before,
-            // so new colours must have corrected the pixel.
+            // Few surfaces were missing, so new colours rather than new surfaces corrected the pixel.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // Assumed squared difference between an unrecorded surface and its surroundings: the local
-            // contrast (variance), but at least that of the image.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));

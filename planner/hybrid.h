@@ -28,8 +28,7 @@ struct HybridSettings {
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects the lens points where traced rays check a pixel's recorded colours. If set,
-    /// HybridResult::stated stays empty.
+    /// If set, chooses the views that rays check in a pixel, and HybridResult::stated is empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
@@ -44,9 +43,8 @@ struct HybridResult {
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
-    /// Set only with a scene, for each pixel of the whole image:
-    /// - `traced`: fraction of the lens points with colours from rays
-    /// - `checks`: differences in colour between rays and the file
+    /// Per pixel of the whole image, set only with a scene: fraction of traced samples; colour differences
+    /// between rays and file.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was computed: 0 as a mean over lens points, 1 by the method

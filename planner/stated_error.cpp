@@ -12,8 +12,7 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight with which another image is blended into a tile. Minimises the estimated squared error
-/// plus `price` times its variance.
+/// Returns the blend weight that minimises squared error + `price` * variance of its estimate.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -86,8 +85,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The error of the sample file is left out, because it does not depend on the weights of the blended
-    // images.
+    // The error of the sample file is left out, because it does not depend on the blend weights.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);

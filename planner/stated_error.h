@@ -53,8 +53,8 @@ struct StatedError {
 /// and the mean of infinitely many views. `bias` is the squared error of the recorded data.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses, for each tile, the weight of another image that is blended with the views. Accepts larger errors
-/// for a 95 % confidence interval of at most wanted_interval_db.
+/// Chooses blend weights so that the error's 95 % confidence interval is, if possible, at most
+/// wanted_interval_db wide.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -95,8 +95,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2 per pixel. Variance of the
-                // estimated light: proportional to 2^L (4^-L)^2 = 2^-3L.
+                // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2. Variance: 2^L (4^-L)^2 =
+                // 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -105,10 +105,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2 per pixel. Squared error,
-            // relative to level 0:
-            // - edge parallel to the cells (equal errors): (2^L 4^-L)^2 = 2^-2L
-            // - slanted edge (independent errors): 2^L (4^-L)^2 = 2^-3L
+            // Errors of cells along an aligned edge are equal, along a slanted edge independent. Squared
+            // error at level L:
+            // - aligned: (2^L 4^-L)^2 = 2^-2L
+            // - slanted: 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -174,8 +174,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Number of pixels of the planned trace, with overscan. A pixel of the preview is `coarser` times as
-    // wide.
+    // Overscan is in pixels of the preview, which are `coarser` times as wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
@@ -186,14 +185,13 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
-    // Hidden surfaces in the planned trace, relative to the preview. The margin beside edges is `coarser`
-    // times as wide in the preview.
+    // Hidden surfaces are traced up to a margin beside edges, which is `coarser` times as wide in the
+    // preview.
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the largest difference between CoC diameters in the scene. If it is below half a
-        // pixel, hidden surfaces are not needed.
+        // No hidden surfaces are needed if CoC diameters in the scene differ by less than half a pixel.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

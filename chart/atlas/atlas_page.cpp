@@ -69,8 +69,6 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns the table rows of a test case: the tested method, a better method if there is one, the pinhole
-/// image, and the reference's noise.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {

@@ -17,7 +17,7 @@ constexpr int vectors = tile / lanes;
 /// Number of products that are summed in single precision. It keeps the rounding error below 34 * 2^-24 of
 /// the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time to process a run of equal weights of the blur kernel, in multiples of the time for one weight.
+/// Time for a run of equal neighbouring weights of the blur kernel, in multiples of the time for one weight.
 constexpr int run_cost = 6;
 /// Relative difference up to which two weights count as equal. Rounding makes equal weights differ slightly.
 constexpr double equal_weights = 1e-9;
@@ -118,8 +118,7 @@ struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of equal weights of the blur kernel. It multiplies the difference between two prefix sums, at the
-/// memory offsets `high` and `low`.
+/// A run of equal kernel weights: adds weight * (sum[high] - sum[low]), with the prefix sums of an image row.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -315,8 +314,6 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Number of values of the object's image that each weight multiplies. One tile of padding is added per
-    // row.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());

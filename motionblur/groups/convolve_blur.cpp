@@ -15,8 +15,7 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// Weight of the samples on static surfaces, and of those on any surface at this depth or behind. The
-    /// coverage is covered / known.
+    /// Coverage = covered / known. `known` leaves out samples whose stored surfaces are all nearer.
     double covered = 0, known = 0;
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, in px, between the ends of the motion paths of neighbouring depth slices. Smaller values
-/// do not increase the PSNR.
+/// Largest difference in displacement between neighbouring depth slices. Smaller values do not increase the
+/// PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth 1/z' across `leaf` (a pixel or a part of it), in 1/m per px.
@@ -112,8 +112,7 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // A depth slice needs an area that is linear in v. For v in [low, high], area * (1 - v / low) has the
-    // same mean as the exact max(0, 1 + v).
+    // For v in [low, high], the linear function area * (1 - v / low) has the mean of max(0, 1 + v).
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -129,7 +128,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // One Piece per corner of a quadtree cell. About four cells meet at each record (stored surface sample).
+    // About four quadtree cells meet at each sample, and each cell adds one piece.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

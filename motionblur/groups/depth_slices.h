@@ -42,11 +42,9 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// The colours and the coverage of a depth slice are linear in the displacement p:
+/// Colours and coverage of a depth slice (surfaces at similar depths) that is displaced by p:
 ///
 ///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
-///
-/// a.low_px is the smallest displacement along the axis a.
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -56,15 +54,15 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// `across_per_px` is the width of a pixel in the scene, in m (at a depth of 1 m for perspective
-    /// cameras).
+    /// Sorts the surfaces of `group`, which has the number `g`, into depth slices.
+    /// - `across_per_px`: width of a pixel in the scene, in m; for perspective cameras, at a depth of 1 m
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the displacement of depth slice k divided by the group's displacement (MovingGroup::path).
-    /// Nearer slices move farther.
+    /// Returns the displacement of depth slice k, as a multiple of the group's motion path; nearer slices
+    /// move farther.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     [[nodiscard]] const CellWindow& window() const { return window_; }

@@ -15,8 +15,8 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the group's passed_box in which a static surface lies within the group's range of
-/// depth. Compositing may order such surfaces wrongly.
+/// Returns the fraction of the area passed by a moving group that contains static surfaces at the group's
+/// depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

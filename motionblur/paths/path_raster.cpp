@@ -219,8 +219,6 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // Light received while the path crosses a cell, times `value` at the middle of the crossing;
-            // exact for a constant shutter transmittance.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

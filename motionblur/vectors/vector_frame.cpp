@@ -128,7 +128,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the value of the option --layer that selects the colours of `group`, if any.
+    /// Returns the argument of --layer with which a user would select `group`, if any.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];

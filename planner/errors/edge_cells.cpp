@@ -97,8 +97,6 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // First part of the error: the highlight's total light is wrong by `off`, divided equally among the
-    // `pixels` of its circle of confusion.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
     // An inaccurate position of the highlight displaces the rim of its circle of confusion.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
@@ -114,8 +112,7 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // For smooth shading a x^2 + b y^2 + c x y, the mean of a cell's corners is wrong by (a + b) / 6. The
-    // corner values determine only c, so a = b = c / 2 is assumed.
+    // For shading a x^2 + b y^2 + c x y, the corners' mean is wrong by (a + b) / 6. Assumes a = b = c / 2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

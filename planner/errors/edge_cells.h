@@ -49,8 +49,8 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` scales the variance of
-    /// the estimated light; 1/8 predicts cells of half the width.
+    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` multiplies the variance
+    /// of the estimated light.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -13,7 +13,7 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Whether the cause of a pixel's error is final if this trial corrects the pixel.
+    /// If true, later trials are ignored for the pixels that this trial corrects.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

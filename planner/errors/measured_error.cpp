@@ -45,8 +45,7 @@ struct Differences {
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Estimates a pixel's squared error (mean over channels) from two measurements with independent noise, which
-/// does not bias their product.
+/// Returns an unbiased squared error, as the product of two measurements with independent noise.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
@@ -132,8 +131,7 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of two independent measurements of a pixel's error. The variance is at least that of
-/// independent errors, because rare large errors are easily missed.
+/// Mean whose variance has a lower bound, because a few measurements may miss rare large errors.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -283,8 +281,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // Standard deviation of the mean of two halves with n = views / 2 stratified rays each. At
-            // outlines, the mean of n rays has n^(-5/4) times the variance of one ray [mitchell1996].
+            // The variance of n stratified rays at outlines is proportional to n^(-5/4) [mitchell1996]; n =
+            // views / 2.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

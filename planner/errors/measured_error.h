@@ -19,8 +19,7 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between the image `other` (a parameter of measured_error) and an image
-    /// without noise; may be negative.
+    /// Estimated squared error of the image that is blended in, without noise of the views. May be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -30,7 +29,7 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the estimated error if another image is blended in with the weight w.
+    /// Returns the variance of the estimated squared error if the blended-in image has the weight w.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -58,9 +57,9 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Returns 1 for the tiles with the largest values, until the values of all other tiles sum to at most
-/// `most`.
-/// - `value(tile, share)`: value of a tile that covers the fraction `share` of the image
+/// Selects tiles by decreasing `value` until the remaining values sum to at most `most`. Returns 1 for
+/// selected tiles.
+/// - `value(tile, share)`: `share` is the tile's fraction of the image
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -81,14 +80,14 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise of each tile's highlights if `views` rays per pixel traced them.
-/// - `a`, `b`: halves of the image's views, to measure the variance of one ray
+/// Estimates the squared noise of each tile's highlights when traced with `views` rays per pixel.
+/// - `a`, `b`: the two halves of the views
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles in which rays should replace the recorded colours.
-/// - `most_mse`: all other tiles together add at most this error to the image
-/// - `fine_mse`: also selects tiles with a larger error than this, if the error clearly exceeds the noise
+/// Returns 1 for tiles whose stored colours are too inaccurate, so that rays should replace them.
+/// - `most_mse`: limit for the total error of the unselected tiles
+/// - `fine_mse`: limit for the error of one tile, if it clearly exceeds the noise
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

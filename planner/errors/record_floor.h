@@ -11,12 +11,11 @@
 
 namespace postlens {
 
-/// Returns the number by which the lens's blur divides the squared error of an edge. It is smaller for an
-/// edge `aligned` with the quadtree cells, because errors along it are equal.
+/// Returns the factor by which blur reduces an edge's squared error, smaller if the edge is `aligned` with
+/// the quadtree.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Error of all edges, divided by the error of the edges that are visible in the samples. Fitted to measured
-/// errors.
+/// Factor, fitted to measurements, by which edges that the samples miss increase the squared error.
 inline constexpr double floor_unseen = 1.4;
 
 /// Estimates the squared error of each pixel's sRGB value due to edges. The samples show which quadtree cell

@@ -42,8 +42,7 @@ double CheckedPixels::aimed(int x, int y, int views) const {
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Selects the `chosen` pixels of the block with the lowest ranks. `step` and pixels() are coprime, so all
-    // ranks differ.
+    // Coprime to pixels(), so that all pixels of a block get different ranks.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

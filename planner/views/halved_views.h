@@ -22,8 +22,8 @@ namespace postlens {
 /// samples: those at edges, and those without a recorded surface.
 class HalvedViews {
   public:
-    /// Ignores `focus.views` and `focus.method` of `settings`. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first of 122 sets of lens points
+    /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
+    /// - `first_set`: number of the first set of lens points; 122 consecutive sets are used
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
@@ -67,8 +67,8 @@ class HalvedViews {
     std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
-/// Returns the image, the number of rays, and the fraction of the samples within `crop` that rays replaced.
-/// HybridResult::stated stays empty.
+/// Returns the image, the number of rays and the fraction of traced samples. HybridResult::stated stays
+/// empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens
