@@ -164,8 +164,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     };
     if (settings.method == FocusMethod::layers) {
         double sums = 0;  // of all strips so far
-        // Estimate: one LayerSplat per surface sample of the file, in 1/6 of the memory. Sorting and
-        // compositing need the rest.
+        // The samples may fill 1/6 of the memory, because sorting and compositing need the rest.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [&](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
@@ -177,8 +176,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        }
                    });
     } else {
-        // Estimate: up to four Splats per surface sample of the file, in 1/3 of the memory. Blur kernels and
-        // colours need the rest.
+        // The samples may fill 1/3 of the memory, because blur kernels and colours need the rest.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {

@@ -62,8 +62,6 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the range of corners around all pixels with known content, including the empty pixels that the
-/// file does not store.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -258,8 +256,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Depth models differ only for reflections and refractions, which images of other programs do not
-        // store separately.
+        // Every depth model gives the same result, because the image does not separate reflections and
+        // refractions.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);

@@ -61,8 +61,8 @@ class FocusFrame {
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns the largest w_bend (nonlinearity of motion over the lens, in 1/m^2) of each pixel, at least
-    /// for the rows [y_begin, y_end).
+    /// Returns, for at least these rows, how nonlinearly each pixel's surface moves with the lens point, in
+    /// 1/m^2.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

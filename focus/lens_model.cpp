@@ -61,8 +61,7 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // Replaces a large astigmatic blur, from curved mirrors or glass, by an ellipse, because aberrations
-        // of the lens are invisible in it.
+        // A large astigmatic blur becomes an ellipse, because lens aberrations are invisible in it.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -72,11 +71,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns a sample's inverse depth, in 1/m: the mean of the diagonal of W (motion over the lens), where
-    //
-    //     map_px = gain R (I / s - W)
-    //
-    // with the film distance `gain` in px, aperture radius R and focus distance s.
+    // Returns 1 / z, in 1/m, from map_px = gain R (1 / s - 1 / z), with aperture radius R and focus distance
+    // s.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

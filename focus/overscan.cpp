@@ -14,9 +14,7 @@ namespace {
 /// only if this blur would reach farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Estimates how far surfaces outside the recorded area would be blurred into the image, in px, for pixels
-/// along one side.
-/// - `radii`: blur radii at the border of the recorded area
+/// Returns, for each pixel of one side, how many px blur from outside the traced area reaches into the image.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

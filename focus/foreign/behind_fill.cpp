@@ -21,7 +21,6 @@ constexpr float least_step_px = 1;
 /// The surface that is hidden behind a pixel is estimated from farther surfaces in its surroundings. This is
 /// the largest distance of the search for them, in px.
 constexpr float farthest_px = 512;
-/// Largest number of steps to an edge that is counted exactly. It stands for this number or more.
 constexpr std::uint8_t many_steps = 255;
 
 /// Two CoC radii of a sample, in px, negative in front of the focus. They are infinite for empty space.
@@ -300,8 +299,7 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface, in a direction from the pixel (x, y), that is farther than `own` and that
-    /// blur may reveal.
+    /// Returns the first surface in `direction` that is farther away than `own` and that blur may reveal.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;

@@ -34,9 +34,6 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns the samples along one side of the image, and how far each continues beyond the image border.
-/// - `x`, `y`: first pixel of the side
-/// - `along_x`, `along_y`: direction of the side: (1, 0) or (0, 1)
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
     // Direction from this side of the image to its interior.
     const int dx = along_x != 0      ? 0
@@ -95,8 +92,6 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner of the image, a sample of the corner pixel is repeated only if it reaches (x, y) along
-    // both axes.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

@@ -28,14 +28,13 @@ class BorderExtension {
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample at the image border, repeated over `length_px` pixels beyond the border. The colour is the
-    /// mean of as many pixels inside.
+    /// A border sample, repeated over `length_px` pixels outside, with the mean colour of `length_px` pixels
+    /// inside.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples of each pixel along one side of the image. Empty if the file shows that empty space
-    /// follows beyond the side.
+    /// One list per pixel along a side of the image, or empty if the file shows empty space beyond.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

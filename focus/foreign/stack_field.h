@@ -43,8 +43,8 @@ struct StackField {
     /// For each pixel, the fraction of lens points that see a surface missing in the image, rather than empty
     /// space.
     std::vector<float> unseen;
-    /// Divisor of each pixel in divide_by_covered: mean alpha over unvignetted lens points, including holdout
-    /// objects. At least 1 where empty space must stay transparent.
+    /// Divisor of each pixel: mean alpha, including holdout objects, but at least 1 where empty space must
+    /// stay transparent.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

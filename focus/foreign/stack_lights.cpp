@@ -36,14 +36,10 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered`: light that no lens point sees, because the surface in front has nearly the same parallax
-    // over the lens.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // `apart`: 0 if both surfaces have the same parallax over the lens, 1 if they move independently.
-        // Empty space always counts as independent.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

@@ -19,7 +19,7 @@ enum class StackValue { colour, alpha };
 /// samples. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// - `with_nothing`: whether to treat empty space as a sharp black surface
+    /// With `with_nothing`, empty space counts as a surface that is black and not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 

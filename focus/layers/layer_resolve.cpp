@@ -28,19 +28,16 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the reflected or transmitted light `rgb` to a mirror or glass, multiplied by mask.alpha, the coverage
-/// of the pixel.
+/// Adds the reflected or transmitted light `rgb` to a mirror or glass that covers the fraction mask.alpha of
+/// the pixel.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
-    // Assumes that the added light is distributed over the lens like the alpha of the mirror or glass.
     const double added = share * (rgb[0] + rgb[1] + rgb[2]);
     surface.lens.rgb.x += added * surface.lens.alpha.x;
     surface.lens.rgb.y += added * surface.lens.alpha.y;
 }
 
-/// Adds reflected or transmitted light (`chain`) to a pixel, only in the blurred area (mask) of the mirror or
-/// glass `shown`.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -125,7 +122,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longer sequences of reflections come first, because the shorter ones need their light.
+    // Longer sequences of bounces come first, because their light is added to the shorter ones.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

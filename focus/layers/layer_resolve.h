@@ -25,10 +25,8 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes a surface's light at a pixel, with reflections and transmissions. Returns nothing if the blur
-/// does not reach the pixel. `terms` must be sorted by LayerPart.
-///
-/// A mirror image is multiplied by a mask: the area of the mirror, blurred like the mirror itself.
+/// Returns the light of a surface at a pixel, with reflections, or nothing outside the blur. `terms` must be
+/// sorted by LayerPart.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -10,7 +10,7 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, passed to NodeResponses::phases to round positions to a quarter pixel or a whole pixel.
+/// Blur radii, in px, for which NodeResponses::phases uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -76,8 +76,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample, or merges it with an equal one. `hash` identifies the blur kernel independently of thread
-// timing.
+// Adds a sample or merges it with an equal one. `hash` must not depend on thread timing, so that results are
+// bit-identical.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -133,8 +133,7 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// Replaces the far side of a glass object by the near side, because refraction can make the far side's blur
-// far too large.
+// Returns the front of a glass object, because refraction can make the blur of the back far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -192,8 +191,6 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // `from`: the mirror or glass that shows this surface. Reflections that were not recorded are
-        // skipped.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -206,10 +203,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces in a mirror or behind glass that only other lens points see, not the pinhole.
-// - `nodes`: samples of the hidden surfaces
-// - `primary`: blur of the mirror or glass
-// - `surface`: the mirror or glass
+// Adds surfaces, seen in a mirror or through glass, that are hidden from the pinhole.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

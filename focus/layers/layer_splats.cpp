@@ -222,8 +222,6 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Samples with a large blur were kept in memory, so only file rows near this strip of the image are read
-    // again.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         UnsortedRow row;
         std::map<LayerPart, std::uint32_t> number;

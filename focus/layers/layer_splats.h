@@ -44,8 +44,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface at the end of `path`, or for a mask, the mirror or glass before it. Empty stands for
-    /// `surface`.
+    /// The surface at the end of the bounces `path`; for masks, the mirror or glass that shows it. Empty if
+    /// it is `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -59,11 +59,9 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Factor from the position of light, in px from the kernel's centre, to the mean lens point of the
-    /// light, in lens radii.
+    /// Mean lens point, in lens radii, of the light 1 px away from the kernel's centre.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same parallax
-    /// over the lens.
+    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same depth.
     float covered = 0;
 };
 
@@ -124,8 +122,8 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Call it first to compute the image in strips (groups of rows). After finish(), add the rows again that
-    /// begin_strip returns.
+    /// Call it first to compute an image in strips (groups of rows). Then begin_strip returns the rows of
+    /// samples to add again.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();

@@ -142,8 +142,6 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Stores in `taps` the differences between neighbours in the sequence `before`, edge[0], edge[1], ...,
-/// `after`.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -156,9 +154,6 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 }
 
 /// Blurs adjacent samples that share a kernel, and adds them to one row of pixels.
-/// - `x`: column of the first sample in the block of pixels
-/// - `sums`: values of the pixels
-/// - `changes`: differences between neighbouring pixels, used if the kernel row has a constant middle part
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, int width, double* sums,

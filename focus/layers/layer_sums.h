@@ -17,8 +17,8 @@ namespace postlens {
 /// is therefore proportional to the length of the kernel's outline.
 class LayerSums {
   public:
-    /// Values per pixel: 8, which fill an AVX-512 register, or 12 if the mean lens point of the light is
-    /// recorded, too.
+    /// Values per pixel: 8, which fill an AVX-512 register, or 12 to tell through which side of the lens
+    /// light passes.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
     /// Sets all sums to 0.
@@ -34,8 +34,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns two sums at a pixel: light (red + green + blue) times lens point, and weight times lens point,
-    /// in lens radii.
+    /// Returns the light and the weight at a pixel, each multiplied by the lens point (in lens radii) and
+    /// summed.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:
@@ -49,10 +49,6 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;  ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = plain_values;
-    /// The values of each pixel:
-    /// - red, green, blue, weight, depth, weight that no lens point sees
-    /// - C = (red + green + blue) * lens_per_px, W = weight * lens_per_px
-    /// - if lens points are recorded: C x, W x, C y, W y, for samples at (x, y)
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -27,8 +27,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // Vignetting leaves only the fraction `open` of each weight. Dividing by `open` restores the weight 1 of
-    // a full pixel.
+    // Dividing by the unvignetted fraction `open` of the lens restores the weight 1 of an opaque pixel.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -83,8 +82,6 @@ std::vector<Block> blocks_of(const LayerSplats& splats) {
     return out;
 }
 
-/// The range [begin, end) of Block::cells (groups of samples) that belongs to one surface, or to one mirror
-/// image.
 struct PartCells {
     const LayerPart* part;
     std::size_t begin, end;

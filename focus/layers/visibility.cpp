@@ -24,13 +24,11 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the transmitted fraction of a surface's light, where this object is the transmittance of the
-    /// surfaces in front.
-    /// - `sum`: light of the surface
-    /// - `moment`: light times lens point, in lens radii, summed over the lens
+    /// Returns the fraction of the light `sum` that is transmitted. `moment` is light times lens point, in
+    /// lens radii.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // Light and transmittance are linear over the lens (see OverLens). The mean of their product is the
-        // product of the means, plus 4 times the dot product of the tilts.
+        // Mean product of two linear functions: product of the means plus 4 times the dot product of the
+        // tilts.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
@@ -91,19 +89,15 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Adds alpha times transmittance times lens point, averaged over the lens. Alpha and transmittance
-        // are linear, so two terms remain.
+        // Mean of alpha times transmittance times lens point. The product of the tilts vanishes by symmetry.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by the surfaces in front with the same parallax as a surface of signed CoC radius
-/// `radius_px`.
+/// Returns the coverage by surfaces at nearly the same depth as `radius_px`, a signed CoC radius.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
-    // Continues from back to front until the parallax is independent, because nearer surfaces differ even
-    // more in depth.
     for (std::size_t i = laid.size(); i-- > 0;) {
         const double apart = independence(radius_px, laid[i].radius_px);
         if (apart >= 1) break;
@@ -130,20 +124,18 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Light that the pinhole sees is not hidden by surfaces in front with the same parallax, so their
-        // coverage is added back.
+        // Surfaces at nearly the same depth cannot hide what the pinhole sees, so their coverage is added
+        // back.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // `least`: smallest possible coverage of the surface, that is, its alpha minus the most that surfaces
-        // in front can hide.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // Missing alpha is filled up with hidden light. Scaling up the visible light instead could make a
-        // pixel arbitrarily bright.
+        // Missing coverage is filled with hidden light, because scaling up visible light could make pixels
+        // arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -153,8 +145,7 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limits the tilt of the transmittance. With values from 0 to 1 and the mean A, the tilt is at most A
-        // (1 - A).
+        // A function with values from 0 to 1 and the mean A has a tilt of at most A (1 - A).
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

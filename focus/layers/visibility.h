@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Shows on which side of the lens a surface's light is concentrated. All colours share one moment, because
-/// hue varies little over the lens.
+/// Tells which side of the lens sends a surface's light. All colours share one value, because hue varies
+/// little.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;
@@ -50,11 +50,8 @@ struct Fragment {
 ///     min(1, |r1 - r2| / (max(|r1|, |r2|) + 1))
 [[nodiscard]] double independence(double radius_px, double other_px);
 
-/// Sorts the surfaces of a pixel by depth, composites them with "over" [porter1984], and divides by the total
-/// coverage. All must have positive alpha.
-///
-/// Light through each side of the lens is attenuated separately. Surfaces in front with the same parallax do
-/// not hide light that the pinhole sees (see independence).
+/// Sorts the surfaces of a pixel, composites them with "over" [porter1984], and divides by the coverage. All
+/// alphas must be positive.
 [[nodiscard]] std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -20,15 +20,12 @@ constexpr double spread_from_px = 2;
 /// Below this blur radius, in px, light from the whole lens falls into one pixel, so visibility is tested all
 /// over the lens.
 constexpr double seen_by_all_px = 0.5;
-/// Largest total area, in px^2, of sharp highlights on one surface within 16 x 16 px that are spread by blur
-/// kernels:
-/// - sharp_px2: nothing hides them
-/// - small_px2: partly hidden, and seen in a mirror or through glass
+/// Largest area, in px^2 per 16 x 16 px, of sharp highlights that kernels spread: unhidden, and partly hidden
+/// in mirrors.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// merged_px (1/2 px) is halved at most this often, to 1/8 px. Kernel positions are rounded to 1/16 px
-/// anyway.
+/// More halvings are useless, because kernel positions are rounded to 1/16 px.
 constexpr int most_halvings = 2;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
@@ -56,19 +53,16 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the shift of a highlight's blur, in px: an inclined surface sends more light through the side of
-/// the lens that it faces.
+/// Returns how far blur is shifted because an inclined surface sends more light through one side of the lens.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px, the edge of the squares in which highlights are merged, must be halved to
-/// make merging invisible.
+/// Returns how often merged_px must be halved to make merging invisible.
 ///
-/// A square of edge a and radiance L, blurred over an area A, adds L a^2 / A to each pixel. Merging may
-/// change pixels by the fraction a / 8.
+/// Merging a square of edge a changes a pixel by L a^3 / (8 A), for radiance L and blur area A.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -109,11 +103,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Blur kernels ignore occluders of highlights in mirrors or glass, so sharp highlights are
-        // reprojected. Reprojection would miss very small highlights.
+        // Blur kernels ignore occluders in mirrors, so sharp highlights are reprojected unless reprojection
+        // would miss them.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // If a highlight is larger than its blur, occluders hide each part of the highlight differently, so
-        // blur kernels are too inaccurate.
+        // A highlight larger than the blur is reprojected, because occluders hide each part of it
+        // differently.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -241,8 +235,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
-    // Divides sharp moving highlights at pixel borders, because one light source would put all their light
-    // into one pixel.
+    // Sharp moving highlights are divided at pixel borders, because one kernel would light only one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
         for (const Span& x : divided_at_pixels(middle.x, side)) {

@@ -43,8 +43,8 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) through the lens to highlights. Rays to sharp moving
-    /// highlights may miss them.
+    /// Chooses random rays from the pixel (x, y) to highlights. Rays to sharp moving highlights may miss
+    /// them.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The

@@ -47,9 +47,8 @@ inline constexpr double most_surface_bytes_of_record = 400;
 /// reads therefore need only rows near the group.
 class FieldStrips {
   public:
-    /// Prepares to read the surfaces of `file`. Keeps references to its arguments.
-    /// - `views`: settings and lens points of the image
-    /// - `lens_box_px`: largest |x| and |y| of a lens point, in m, times the film distance in px
+    /// Keeps references to the arguments.
+    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px per 1/m of inverse depth
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);

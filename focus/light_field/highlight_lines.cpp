@@ -19,8 +19,7 @@ constexpr int attempts = 256;
 /// multiplied by this. More rays are needed, because many of them miss the highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp highlights of one surface that move past a pixel. `spans`: when any of them is near the pixel, as
-/// fractions of the exposure.
+/// Sharp moving highlights of one surface near a pixel. `spans`: times, as fractions of the exposure.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -136,8 +135,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The ray to a sharp moving highlight gets a random position in the pixel, because the records
-            // may miss parts of the highlight.
+            // The position in the pixel is random, because the sample file may miss parts of a moving
+            // highlight.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;

@@ -21,8 +21,7 @@ namespace {
 /// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// The exact occlusion tests of a tile may take as long as drawing the tile from at least this many lens
-/// points.
+/// The visibility tests of a tile may take at least as long as drawing the tile from this many lens points.
 constexpr std::size_t least_drawn = 64;
 /// Smallest estimated time of one visibility test. Drawing a tile from one lens point counts as 1.
 constexpr double least_cost = 0.1;
@@ -30,8 +29,8 @@ constexpr double least_cost = 0.1;
 /// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Four points that stand for all highlights of a group. They are offsets from the group's centre, in
-/// standard deviations, with variance 1 per axis.
+/// Four test points for a group of highlights: offsets from the centre, in standard deviations of the
+/// positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
 /// Up to this standard deviation, in px, the shadows that an occluder casts for several highlights count as
@@ -60,9 +59,6 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// Lens points whose images show whether a highlight is visible.
-    /// - `nearest`: three for each cell of a grid of `edge` x `edge` cells over the lens
-    /// - `all`: all over the lens, for sharp highlights
     struct Asked {
         int edge = 0;
         Nearest nearest;
@@ -105,7 +101,7 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr double table_reach = 1.1;              ///< lens radii
     /// The exposure is divided into this many intervals, each with its own list of nearest lens points.
     static constexpr int spans = 16;
-    /// The whole exposure counts as this distance, in lens radii, when the nearest lens points are found.
+    /// A difference in time of the whole exposure counts like this distance on the lens.
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -245,8 +241,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // Offset of the tested positions in the pixel. It differs between groups of highlights and sets of lens
-    // points, so that errors are independent.
+    // Test positions differ between groups of highlights and sets of lens points, so that errors are
+    // independent.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);

@@ -29,8 +29,7 @@ constexpr std::size_t finest_rays = 64;
 /// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
 /// squares. All hits in one square are merged into one small highlight.
 constexpr int edge_squares = 8;
-/// Rays measure no highlights if more than this fraction of the pixels with surfaces, and more than
-/// least_measured pixels, contain edges of highlights.
+/// Rays do not trace the outlines of highlights if they cross more pixels than this fraction and this number.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.

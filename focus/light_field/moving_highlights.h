@@ -51,9 +51,9 @@ class HighlightMotion {
     /// pixel. Highlights with a large blur may change by up to a quarter of their blur radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` evenly spaced instants of the exposure. A highlight at rest has only
-    /// one, with Moment::u = -1.
-    /// - `turned`: whether neighbouring highlights have different instants
+    /// Returns the highlight at `count` equally spaced instants of the exposure, or once, with u = -1, if at
+    /// rest.
+    /// - `turned`: shifts the instants according to the position, so that neighbouring highlights differ
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

@@ -8,8 +8,7 @@
 namespace postlens {
 namespace {
 
-/// Largest difference of CoC diameter between neighbouring depth levels, in px, if the levels are equally
-/// spaced in depth z'.
+/// Largest difference of CoC diameter between neighbouring depth levels with equal steps of depth.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {

@@ -71,8 +71,7 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// A highlight smaller than element k, in px, may use the finer step ellipse_step_px / 4^k, because its
-    /// brightness depends on the size.
+    /// For highlights whose blur radius is below element k, in px, the step may be ellipse_step_px / 4^k.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -83,8 +82,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// Whether the members half_height to map_yy form a 2x2 matrix, in units of step_px(). Only for apertures
-    /// that are not round.
+    /// True if half_height, half_chord, top_displacement and map_yy are a 2x2 matrix, for apertures that are
+    /// not round.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -95,8 +94,7 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Entries of the matrix from lens points to px are rounded to this many bits of the largest entry, so
-    /// that kernels are shared.
+    /// Matrix entries are rounded to this many bits of the largest entry, so that samples share kernels.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -105,7 +103,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns the number of bits of the largest size or matrix entry in the key.
+    /// Returns how many bits the largest size or matrix entry needs, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -164,8 +162,7 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernels are numbered, from 0. The count includes discs that were not requested and
-    /// have no valid kernel.
+    /// Returns the number of kernels, including discs that were not requested and are not valid.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

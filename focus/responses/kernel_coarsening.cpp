@@ -81,8 +81,7 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Kernels with equal keys usually stay equal when rounded more coarsely, so only one is kept. Sorting
-        // makes the choice deterministic.
+        // Sorted, so that the choice among equal keys does not depend on thread timing.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -101,8 +100,6 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Returns the relative rounding error of blur radii in an octave (factor of two), after doubling the
-    // rounding step `times` times.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -43,10 +43,6 @@ class LevelTable {
     /// Size of the lookup table from CoC diameters to depth levels. At most one depth level begins in each
     /// cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the lookup table:
-    /// - begin_px_: CoC diameter at which a new depth level begins
-    /// - before_: depth level below begin_px_
-    /// - step_: difference of the new depth level from before_; 0 without a new level
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Blur radius, in px, for which positions are rounded to a quarter pixel. Also used for smaller kernels that
-/// are expensive to compute.
+/// A blur radius at which positions are rounded to a quarter pixel. Smaller kernels that are expensive use
+/// it, too.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -36,16 +36,13 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Sets the blur radius of an aperture that is not round, and the square of the image that uses the same blur
-// kernel.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Recovers the rounded depth of the blur kernel from `map_px`. With the exact depth, the transmittance
-    // would not match the kernel.
+    // Takes the rounded depth from `map_px`, because the transmittance must match the blur kernel.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -9,8 +9,7 @@
 namespace postlens {
 namespace {
 
-/// From this CoC radius on, in px, a sample at a pixel border is blurred as one disc, instead of one part per
-/// pixel.
+/// From this CoC radius on, a sample between pixels is blurred once, not once per adjacent pixel.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions, along each axis, for which kernels of this radius are computed.
@@ -78,8 +77,7 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A sample at a corner represents one quadrant of each adjacent cell, so its light moves to the
-        // quadrant's centre.
+        // Each adjacent quadtree cell gets the light at the centre of the quadrant next to the sample.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

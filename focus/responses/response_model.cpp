@@ -70,8 +70,7 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The inverse depth is the mean of the diagonal of W, where map_px = map_px_m_ (I / s - W) for
-            // the focus distance s.
+            // Solves map_px = map_px_m_ (1 / s - 1 / z) for 1 / z, with the focus distance s.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -9,14 +9,13 @@
 
 namespace postlens {
 
-/// Blur radii, in px, at the pixel corners on the border of the traced area, to find out whether more
-/// overscan is needed.
+/// Blur radii, in px, along the border of the traced area, which tell whether more overscan is needed.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Raises the stored radius of a border sample in row `y` to at least `radius_px`. Thread-safe for
+    /// Raises the blur radius at a border sample in row `y` to at least `radius_px`. Thread-safe for
     /// different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// If corners of the pixel (x, y) lie on the border of the traced area, raises the blur radii stored for

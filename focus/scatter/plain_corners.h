@@ -23,8 +23,7 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Compact arrays for samples without reflections, at corners of four undivided pixels: one element per pixel
-/// corner, row by row.
+/// Samples without reflections at corners of undivided pixels: one element per pixel corner, row by row.
 struct PlainCorners {
     /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
     std::vector<double> inverse_depth;

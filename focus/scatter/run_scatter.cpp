@@ -43,8 +43,7 @@ struct RowRange {
     int begin, end;
 };
 
-/// Convolves a row of samples with the lower half of a disc kernel. Adds the result below `down`, and
-/// mirrored above `up`.
+/// Adds a row of samples, blurred by half a disc: downwards from `down`, and mirrored upwards from `up`.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -89,8 +88,6 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the weights of a row of samples, blurred by a symmetric disc, below `down` and above `up`. Each
-/// sample has weight 1.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

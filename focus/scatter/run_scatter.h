@@ -27,8 +27,7 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums of blurred light in `block`, a part of the image. Returns false if no run of samples
-    /// reaches the block.
+    /// Sums blurred light in the part `block` of the image. Returns false if no samples reach the block.
     bool run(const RasterWindow& block);
 
     /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to

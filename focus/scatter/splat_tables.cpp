@@ -343,8 +343,6 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Samples with a large blur were kept in memory, so only file rows near this strip of the image are read
-    // again.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

@@ -94,16 +94,16 @@ class SplatTables {
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
-    /// Call it first to compute the image in strips (groups of rows). After finish(), add the rows again that
-    /// begin_strip returns.
+    /// Call it first to compute an image in strips (groups of rows). Then begin_strip returns the rows of
+    /// samples to add again.
     void survey() { keep_ = Keep::none; }
-    /// Starts the strip `part` (group of rows) of the image. Returns the row ranges [begin, end) to add again
-    /// before finish_strip().
-    /// - `block_px`: divisor of the height of `part`
+    /// Starts the rows `part` of the image. Returns the row ranges [begin, end) of samples to add before
+    /// finish_strip().
+    /// - `block_px`: height of the groups of rows that splats_reaching() counts
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of samples whose blur reaches the blocks [begin, end) of `block_px` rows. Call it
-    /// after the first finish_strip().
+    /// Returns how many samples are blurred into the groups [begin, end) of `block_px` rows. Call it after
+    /// finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -118,15 +118,14 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The range of rows that the largest disc of all runs covers, relative to the row of the samples.
+    /// Range of rows around a sample that the largest disc of any SplatRun covers.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns the largest fraction of each pixel in row y that empty space may fill, or null without
-    /// let_nothing_fill.
+    /// Returns the largest fraction of each pixel in row y that may stay empty, or null if no pixel may.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
