@@ -45,7 +45,7 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds reflections and refractions in pixel k to `sum` (radiance times `weight`). Returns the weight of
-    /// views that lack some.
+    /// views that lack some, less if those are dark.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
