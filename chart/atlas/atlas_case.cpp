@@ -100,23 +100,21 @@ const std::vector<AtlasCause>& atlas_causes() {
          "The lens or the shutter sees a surface that the pinhole does not see, and that is not recorded.",
          "surfaces that the sample file lacks"},
         {"visibility",
-         "Occlusion is computed wrongly: the method mixes surfaces without a depth test at each point of the "
-         "lens.",
+         "The method blends surfaces without testing, at each lens point, which of them is nearer.",
          "wrong occlusion"},
         {"curvature-of-W",
-         "The matrix W describes how images in mirrors and glass move when the lens point moves away from "
-         "the "
-         "centre of the lens. It is a linear approximation, so it is wrong far from the centre.",
+         "W is the linear approximation of how images in mirrors and glass move with the lens point. It is "
+         "wrong "
+         "far from the centre of the lens.",
          "wrong positions of images in mirrors and glass"},
         {"view-dependent-shading",
          "The colour of a point depends on the lens point and the instant from which it is seen. The records "
          "have the colour for the pinhole and the frame's instant.",
-         "shading that changes over the lens or the exposure"},
+         "light that changes with the lens point or the instant"},
         {"path-and-depth-correlated",
-         "While an object moves, its depth, its outline or its occluder changes, so one path is not enough "
-         "to "
-         "blur it.",
-         "motion that one path cannot describe"},
+         "While an object moves, its depth, its outline or its occluder changes, so one path is not "
+         "enough to blur it.",
+         "motion that differs between points of one object"},
         {"frame-edge", "Light comes into the picture from beyond the border of the records.",
          "light from beyond the frame's border"},
         {"kernel-truncation", "An impulse response is too coarse, too small or too large for its raster.",
