@@ -163,17 +163,11 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        double sums = 0;  // of all strips so far
         // The samples may fill 1/6 of the memory, because sorting and compositing need the rest.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
-                   [&](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
-                       if (std::isfinite(settings.most_layer_sums)) sums += layer_sums(splats);
-                       if (sums <= settings.most_layer_sums) {
-                           layers(splats, image, part);
-                       } else {
-                           image = {};
-                       }
+                   [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
+                       layers(splats, image, part);
                    });
     } else {
         // The samples may fill 1/3 of the memory, because blur kernels and colours need the rest.

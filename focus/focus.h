@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,9 +44,6 @@ struct FocusSettings {
     /// Memory limit, in bytes, for the blurred samples of the methods `scatter` and `layers`. Larger images
     /// are computed in groups of rows, with bit-identical results.
     std::size_t splat_bytes = std::size_t{672} << 20;
-    /// Largest allowed number of pixels that blurred surfaces reach, summed over all surfaces. Above it,
-    /// FocusResult::image is empty.
-    double most_layer_sums = std::numeric_limits<double>::infinity();
 };
 
 struct FocusWarning {

@@ -37,7 +37,7 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
 
 /// Returns the next number of views of each tile, to bring the image's error below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
-                         const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
+                         const TileGrid& grid, double wanted_mse) {
     struct Step {
         double gain = 0;  ///< squared error that each added view removes, per pixel
         std::size_t tile = 0;
@@ -47,9 +47,7 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     };
     const double pixels = static_cast<double>(grid.width) * grid.height;
     const auto expected = [&](std::size_t t, int of_views) {
-        const double mse = mix[t].mse(tiles[t]);
-        if (!(mse > 0 && tiles[t].noise_mse > 0)) return 0.0;
-        return 1 / (1 / mse + (of_views - views[t]) / (views[t] * tiles[t].noise_mse));
+        return tiles[t].noise_mse * views[t] / of_views;
     };
     std::vector<int> planned = views;
     std::priority_queue<Step> steps;
@@ -98,8 +96,7 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
 
 /// Returns the next number of views of each tile, to narrow the 95 % confidence interval of the error.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
-                          const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
-                          double most_samples) {
+                          const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
     struct Step {
         double mse = 0, variance = 0;  ///< decrease of the error and of its variance
@@ -107,11 +104,11 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     };
     std::vector<Step> steps;
     for (std::size_t t = 0; t < views.size(); ++t) {
-        const double share = grid.pixels(t) / pixels, mse = mix[t].mse(tiles[t]);
-        if (2 * views[t] > most_lens_views || !(mse > 0 && tiles[t].noise_mse > 0)) continue;
-        const double left = 1 / (1 + mse / tiles[t].noise_mse);  // as in doubled()
-        steps.push_back({share * mse * (1 - left),
-                         share * share * tiles[t].estimate_variance(mix[t].weight) * (1 - left * left), t});
+        const double share = grid.pixels(t) / pixels, mse = tiles[t].noise_mse;
+        if (2 * views[t] > most_lens_views || !(mse > 0)) continue;
+        constexpr double left = 0.5;  // of the error, as in doubled()
+        steps.push_back(
+            {share * mse * (1 - left), share * share * tiles[t].noise_variance * (1 - left * left), t});
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
@@ -138,53 +135,6 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Makes the image by the method `layers`, or returns nothing if drawing 16 views is faster.
-std::optional<Image> layers_image(FocusFrame& frame, FocusSettings settings) {
-    // Measured times per sample and per addition to a pixel. Unit: time to reproject one pixel.
-    constexpr double views_of_record = 2, views_of_sum = 0.5;
-    const SampleHeader& h = frame.file().header();
-    double left = first_views * static_cast<double>(h.width) * h.height;
-    for (const ScanlineFacts& row : frame.file().scanlines(0)) left -= views_of_record * row.records;
-    if (left < 0) return std::nullopt;
-    settings.method = FocusMethod::layers;
-    settings.spacing = DepthSpacing::inverse;
-    settings.depths.reset();
-    settings.depth_model = DepthModel::ray_differentials;
-    settings.most_layer_sums = left / views_of_sum;
-    Image image = focus_picture(frame, settings).image;
-    if (image.rgb.empty()) return std::nullopt;
-    return image;
-}
-
-/// Blends two radiances; `other` has the weight `w`. Blends their sRGB values, in which errors are measured,
-/// unless `views` is too bright for sRGB.
-float mixed(float views, float other, float w) {
-    if (views >= 1) return views + w * (other - views);
-    const float value = srgb_from_linear(views);
-    return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
-}
-
-/// Blends the image `other` into `image`, with a weight for each tile. Returns the mean weight of `other` in
-/// the image or crop.
-double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
-              const std::optional<Crop>& crop, Image& image) {
-    std::vector<double> of_rows(static_cast<std::size_t>(grid.height), 0);
-    parallel_for(of_rows.size(), [&](std::size_t row) {
-        const int y = static_cast<int>(row);
-        for (int x = 0; x < grid.width; ++x) {
-            const double weight = tiles[grid.at(x, y)].weight;
-            if (crop && !crop->contains(x, y)) continue;
-            of_rows[row] += weight;
-            if (!(weight > 0)) continue;
-            const float* from = other.pixel(x, y);
-            float* out = image.pixel(x, y);
-            for (int c = 0; c < 3; ++c) out[c] = mixed(out[c], from[c], static_cast<float>(weight));
-        }
-    });
-    return std::accumulate(of_rows.begin(), of_rows.end(), 0.0) /
-           static_cast<double>(wanted_pixels(crop, grid.width, grid.height));
-}
-
 }  // namespace
 
 double AutoResult::noise_db() const {
@@ -203,22 +153,13 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // The method `layers` shows a single instant, so it cannot be used with a shutter. Only rays can measure
-    // its error, so it needs a scene.
-    std::optional<Image> layers;
-    if (whole.scene != nullptr && !whole.shutter) {
-        (void)checked_camera(frame.file().header(), *whole.scene);
-        layers = layers_image(frame, whole.focus);
-    }
     HalvedViews views(frame, whole);
     const TileGrid& grid = views.grid();
     const double most_mse = std::pow(10.0, -target_db / 10);
     std::vector<int> wanted(grid.count(), first_views);
     MeasuredError measured;
-    std::vector<TileMix> mix(grid.count());
     const auto measure = [&](const std::optional<Crop>& where, CheckedPixels::Use use) {
-        return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use,
-                              layers ? &*layers : nullptr);
+        return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use);
     };
     bool is_met = false;
     double most_samples = 0;  // limit for narrowing the interval; 0 until the target is met
@@ -235,11 +176,10 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
         }
-        if (layers) mix = mixed_tiles(measured);
-        const StatedError error = stated_error(measured, mix);
+        const StatedError error = stated_error(measured);
         const auto doubled_for = [&](double goal) {
             const double others = error.high_mse - error.views_mse;
-            return doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));
+            return doubled(wanted, measured.tiles, grid, std::max(goal - others, goal / 2));
         };
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
@@ -252,14 +192,13 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // Few views give inaccurate errors of single tiles, so the first step adds views to all tiles.
+            const double drawn = samples(wanted, grid);
             const bool is_first = most_samples == 0;
-            if (is_first) {
-                most_samples =
-                    samples(wanted, grid) * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
-            }
-            next =
-                is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
+            if (is_first)
+                most_samples = drawn * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
+            // The errors of single tiles are inaccurate after one or two rounds, so all tiles get more views.
+            const bool all = is_first && drawn <= 2.0 * first_views * grid.width * grid.height;
+            next = all ? doubled_for(0) : narrowed(wanted, measured.tiles, grid, error, most_samples);
         }
         if (next == wanted) break;
         wanted = std::move(next);
@@ -268,15 +207,14 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     AutoResult out;
     out.grid = grid;
     for (std::size_t t = 0; t < grid.count(); ++t) {
-        out.tiles.push_back({wanted[t], views.left_to_rays()[t] != LeftToRays::unsure, mix[t].weight,
-                             std::max(0.0, mix[t].mse(measured.tiles[t]))});
+        out.tiles.push_back(
+            {wanted[t], views.left_to_rays()[t] != LeftToRays::unsure, measured.tiles[t].noise_mse});
     }
     out.mean_views = samples(wanted, grid) / (static_cast<double>(grid.width) * grid.height);
     const auto [least, most] = std::minmax_element(wanted.begin(), wanted.end());
     const bool has_rays = views.has_rays();
-    const StatedError stated = stated_error(measure(crop, CheckedPixels::Use::stating), mix);
+    const StatedError stated = stated_error(measure(crop, CheckedPixels::Use::stating));
     out.hybrid = finished(frame, std::move(views), crop);
-    if (layers) out.layers_share = mix_in(*layers, mix, grid, crop, out.hybrid.focus.image);
     out.hybrid.focus.views = *most;
     out.hybrid.focus.method = FocusMethod::hybrid;
     out.plan = *least == *most ? counted(*most, "view") + " a tile: "
@@ -286,7 +224,6 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     if (has_rays) {
         out.hybrid.stated = stated;
         out.met = stated.mse() <= most_mse;
-        if (out.layers_share > 0) out.plan += fmt::format("layers by {} %, ", rough(100 * out.layers_share));
         out.plan +=
             fmt::format("{:.1f} dB ({:.1f} to {:.1f})", stated.db(), stated.low_db(), stated.high_db());
         reason = fmt::format("{:.1f} dB are stated", stated.db());

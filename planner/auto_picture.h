@@ -22,7 +22,6 @@ struct AutoSettings {
 struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
-    double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
     /// Measured squared error of the tile's sRGB values, as a mean over pixels and channels. It is relative
     /// to an image with infinitely many views of the same sample file, so errors of the file do not count.
     double noise_mse = 0;
@@ -33,7 +32,6 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
     /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
     /// determine. Set only without a scene.
     double unsure_share = 0;
@@ -52,7 +50,7 @@ struct AutoResult {
 /// wider than wanted_interval_db, up to four times as many views are drawn.
 ///
 /// With a scene, rays replace view samples that the records do not determine, and measure the error of the
-/// others. With a scene and no shutter, an image by `layers` is mixed in where this reduces the error.
+/// others.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

@@ -115,13 +115,9 @@ nlohmann::ordered_json auto_json(const AutoResult& r) {
     }
     nlohmann::ordered_json tiles = nlohmann::ordered_json::array();
     for (const AutoTile& t : r.tiles) {
-        tiles.push_back({{"views", t.views},
-                         {"left_to_rays", t.left_to_rays},
-                         {"layers_weight", t.layers_weight},
-                         {"noise_mse", t.noise_mse}});
+        tiles.push_back({{"views", t.views}, {"left_to_rays", t.left_to_rays}, {"noise_mse", t.noise_mse}});
     }
     out["plan"] = {{"mean_views", r.mean_views},
-                   {"layers_share", r.layers_share},
                    {"tile_px", TileGrid::edge},
                    {"columns", r.grid.columns()},
                    {"tiles", std::move(tiles)}};

@@ -269,17 +269,6 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
     });
 }
 
-double layer_sums(const LayerSplats& splats) {
-    std::vector<PartCells> parts;
-    double out = 0;
-    for (const Block& block : blocks_of(splats)) {
-        find_parts(splats, block, parts);
-        for (const PartCells& part : parts)
-            out += static_cast<double>(part.reach.width()) * part.reach.height();
-    }
-    return out;
-}
-
 namespace {
 
 /// For each pixel, the blurred light of one surface or mirror image.

@@ -14,10 +14,6 @@ inline constexpr int layers_block_px = 64;
 /// bit-identical for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// Estimates the computing time of layers(), without a unit. It is the number of pixels that the blur of a
-/// surface may reach, summed over all surfaces and mirror images.
-[[nodiscard]] double layer_sums(const LayerSplats& splats);
-
 /// Computes the same image as layers(), by evaluating every impulse response at every pixel. It is a slow
 /// reference for tests.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);

@@ -21,24 +21,17 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared errors of sRGB values, summed over pixels. `a` and `b` are the images of two independent halves of
-/// the views, and `other` is another image of the same scene.
-/// - `noise`: squared noise of the mean of `a` and `b`
-/// - `products`: squared error of `other`, as (other - a)(other - b); it is unbiased, because the noise of
-///   `a` and `b` is independent
-struct Differences {
-    double noise = 0, products = 0;
-    void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
-        for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
-            const double of_a = encoded(a.image.rgb[c]), of_b = encoded(b.image.rgb[c]),
-                         of_both = encoded((a.image.rgb[c] + b.image.rgb[c]) / 2);
-            noise += ((of_both - of_a) * (of_both - of_a) + (of_both - of_b) * (of_both - of_b)) / 6;
-            if (other == nullptr) continue;
-            const double value = encoded(other->rgb[c]);
-            products += (value - of_a) * (value - of_b) / 3;
-        }
+/// Returns an estimate of the squared noise, at one pixel, of the mean of `a` and `b`: the images of two
+/// independent halves of the views. It is a mean over colour channels, in sRGB values.
+double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    double out = 0;
+    for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+        const double of_a = encoded(a.image.rgb[c]), of_b = encoded(b.image.rgb[c]),
+                     of_both = encoded((a.image.rgb[c] + b.image.rgb[c]) / 2);
+        out += ((of_both - of_a) * (of_both - of_a) + (of_both - of_b) * (of_both - of_b)) / 6;
     }
-};
+    return out;
+}
 
 /// Differences between the colours of traced rays and the image in one pixel, per channel, in sRGB values.
 /// `a` and `b` are measured in two independent halves of the views (images from different lens points).
@@ -113,24 +106,6 @@ struct ChosenSum {
     }
 };
 
-/// Returns the errors in a piece (square) of a tile and their variances, as parts of the means over the tile
-/// of `pixels` pixels. Errors are assumed to be normally distributed and independent between pieces.
-/// - d: half the difference of the halves of the views, with the variance n
-/// - v: noise of their mean, independent of d, with the variance n
-/// - e: difference between the other image and the mean of infinitely many views
-/// - N = d^2: estimate of the squared noise
-/// - S = (e - v)^2 - d^2: estimate of e^2
-///
-/// With the weight w of the other image, the error (1 - w)^2 N + w^2 S has the variance (1 - 2 w)^2 4 n^2 + 4
-/// w^2 e^2 n. Here 4 n^2 is estimated by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
-TileError part_of_tile(const Differences& of_piece, double pixels) {
-    const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
-    return {.noise_mse = noise,
-            .other_mse = product,
-            .of_noise = 4.0 / 3 * noise * noise,
-            .of_product = product * noise + 2.0 / 3 * noise * noise};
-}
-
 /// Mean whose variance has a lower bound, because a few measurements may miss rare large errors.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
@@ -157,14 +132,8 @@ struct TileSums {
 class TileMeasurement {
   public:
     TileMeasurement(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
-                    const CheckedPixels& checked, CheckedPixels::Use use, const Image* other)
-        : a_(a),
-          b_(b),
-          crop_(crop),
-          checked_(checked),
-          use_(use),
-          other_(other),
-          grid_{a.image.width, a.image.height} {}
+                    const CheckedPixels& checked, CheckedPixels::Use use)
+        : a_(a), b_(b), crop_(crop), checked_(checked), use_(use), grid_{a.image.width, a.image.height} {}
 
     [[nodiscard]] TileSums operator()(std::size_t tile) const {
         const int piece = piece_px(grid_.width, grid_.height),
@@ -173,32 +142,31 @@ class TileMeasurement {
                   right = std::min(left + TileGrid::edge, grid_.width),
                   bottom = std::min(top + TileGrid::edge, grid_.height);
         TileSums out;
-        std::vector<Differences> pieces;
+        std::vector<double> noise_of_pieces;
         for (int y0 = top; y0 < bottom; y0 += piece) {
             for (int x0 = left; x0 < right; x0 += piece) {
-                Differences& of_piece = pieces.emplace_back();
+                double& noise = noise_of_pieces.emplace_back();
                 for (int y = y0; y < std::min(y0 + piece, bottom); ++y) {
                     for (int x = x0; x < std::min(x0 + piece, right); ++x) {
                         if (crop_ && !crop_->contains(x, y)) continue;
                         ++out.error.pixels;
-                        of_piece.add(a_, b_, other_, pixel_of(x, y));
+                        noise += noise_at(a_, b_, pixel_of(x, y));
                         if (!a_.checks.empty()) add_checks(x, y, out);
                     }
                 }
             }
         }
-        for (const Differences& of_piece : pieces) {
-            const TileError part = part_of_tile(of_piece, std::max(out.error.pixels, 1));
-            out.error.noise_mse += part.noise_mse;
-            out.error.other_mse += part.other_mse;
-            out.error.of_noise += part.of_noise;
-            out.error.of_product += part.of_product;
-            out.error.pieces.push_back(part);
+        const double pixels = std::max(out.error.pixels, 1);
+        for (const double of_piece : noise_of_pieces) {
+            const double noise = of_piece / pixels;
+            out.error.noise_mse += noise;
+            // Let d be half the difference of the halves, and v the noise of their mean. d and v are
+            // independent normal variables of the same variance n, so the difference of their squares has the
+            // variance 4 n^2. The expectation of 4/3 d^4 is also 4 n^2.
+            out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
-        out.error.of_product = std::max(0.0, out.error.of_product);
         out.error.bias_mse = out.views.mean();
         out.error.bias_deviation = std::sqrt(out.views.variance());
-        const double pixels = std::max(out.error.pixels, 1);
         out.error.highlights_mse = out.highlights.sum / pixels;
         out.error.highlights_deviation = std::sqrt(out.highlights.variance) / pixels;
         return out;
@@ -235,17 +203,16 @@ class TileMeasurement {
     const std::optional<Crop>& crop_;
     const CheckedPixels& checked_;
     CheckedPixels::Use use_;
-    const Image* other_;
     TileGrid grid_;
 };
 
 }  // namespace
 
 MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
-                             const CheckedPixels& checked, CheckedPixels::Use use, const Image* other) {
+                             const CheckedPixels& checked, CheckedPixels::Use use) {
     const TileGrid grid{a.image.width, a.image.height};
     std::vector<TileSums> sums(grid.count());
-    const TileMeasurement measured(a, b, crop, checked, use, other);
+    const TileMeasurement measured(a, b, crop, checked, use);
     parallel_for(sums.size(), [&](std::size_t t) { sums[t] = measured(t); });
     MeasuredError out;
     Mean bias;

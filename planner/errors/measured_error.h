@@ -19,20 +19,12 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared error of the image that is blended in, without noise of the views. May be negative.
-    double other_mse = 0;
-    double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
-    double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
-    std::vector<TileError> pieces;  ///< the parts of this tile that have independent noise
-    double bias_mse = 0;            ///< error of the records, estimated by check rays; may be negative
-    double bias_deviation = 0;      ///< standard error of `bias_mse`
-    double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
+    double noise_variance =
+        0;                ///< variance of the difference between `noise_mse` and the actual squared noise
+    double bias_mse = 0;  ///< error of the records, estimated by check rays; may be negative
+    double bias_deviation = 0;  ///< standard error of `bias_mse`
+    double highlights_mse = 0;  ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
-
-    /// Returns the variance of the estimated squared error if the blended-in image has the weight w.
-    [[nodiscard]] double estimate_variance(double w) const {
-        return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
-    }
 };
 
 struct MeasuredError {
@@ -49,13 +41,12 @@ struct MeasuredError {
 /// numbers of views and independent lens points. The result is bit-identical for any number of threads.
 /// - `crop`: only pixels within it are measured
 /// - `checked`, `use`: select the check rays
-/// - `other`: another image of the same scene, independent of the views, or null
 ///
 /// The noise is the mean squared difference between the halves and their mean [mccarthy1969]. The bias is the
 /// mean product of the residuals (ray minus record) of both halves, because their noise is independent.
 [[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
-                                           CheckedPixels::Use use, const Image* other = nullptr);
+                                           CheckedPixels::Use use);
 
 /// Selects tiles by decreasing `value` until the remaining values sum to at most `most`. Returns 1 for
 /// selected tiles.

@@ -144,24 +144,6 @@ TEST_F(CropTest, Layers) {
     expect_bits_of_the_whole(s, {inside, far_corner});
 }
 
-TEST_F(CropTest, LayersWithMoreSumsThanAllowedHaveNoImage) {
-    TraceSettings trace{.overscan_px = 8, .hidden_layers = 1};
-    trace.camera.width = trace.camera.height = 70;
-    traced("still_life.toml", trace);
-    FocusSettings s = wide;
-    s.method = FocusMethod::layers;
-    s.lens.f_number = 8;
-    const Image all = focus_picture(*file_, s).image;
-    for (const std::size_t splat_bytes : {s.splat_bytes, std::size_t{3} << 16}) {  // whole, and in strips
-        s.splat_bytes = splat_bytes;
-        s.most_layer_sums = 1e9;
-        EXPECT_EQ(focus_picture(*file_, s).image.rgb, all.rgb);
-        // Every pixel shows a surface, and most show several.
-        s.most_layer_sums = static_cast<double>(all.rgb.size()) / 3;
-        EXPECT_TRUE(focus_picture(*file_, s).image.rgb.empty());
-    }
-}
-
 TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
     // One scene has mirrors, glass and lights. In the other, so much is in focus that views of single
     // surfaces are left out.

@@ -195,37 +195,6 @@ TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
     EXPECT_GT(views, 32);
 }
 
-TEST(AutoPicture, IsNotFarBelowLayers) {
-    SceneBuilder b = bar_and_wall();
-    b.scene.cameras[0].width = 128;
-    b.scene.cameras[0].height = 96;
-    const TracedFrame frame(b.scene, traced(true, 1));
-    ASSERT_LE(frame.file().record_count(), 16 * 128 * 96U);  // more records make `layers` too slow
-    FocusFrame of(frame.file());
-    AutoSettings s = settings(25);
-    s.hybrid.scene = &b.scene;
-    const Image truth = rays(b.scene, s);
-    FocusSettings alone = s.hybrid.focus;
-    alone.method = FocusMethod::layers;
-    const double by_layers = encoded_psnr_db(focus_picture(of, alone).image, truth);
-    ASSERT_GT(by_layers, 30);  // far above the target
-    const AutoResult r = auto_picture(of, s);
-    EXPECT_GT(r.layers_share, 0.3) << r.plan;
-    EXPECT_GT(encoded_psnr_db(r.hybrid.focus.image, truth), by_layers - 3) << r.plan;
-    for (const AutoTile& tile : r.tiles) EXPECT_LE(tile.layers_weight, 1);
-    {
-        const ThreadLimit one(1);
-        EXPECT_EQ(auto_picture(of, s).hybrid.focus.image.rgb, r.hybrid.focus.image.rgb);
-    }
-    // Settings of other methods have no influence.
-    s.hybrid.focus.depths = 2;
-    s.hybrid.focus.depth_model = DepthModel::first_hit;
-    EXPECT_EQ(auto_picture(of, s).hybrid.focus.image.rgb, r.hybrid.focus.image.rgb);
-    // Without a scene the error of `layers` is not known.
-    s.hybrid.scene = nullptr;
-    EXPECT_EQ(auto_picture(of, s).layers_share, 0);
-}
-
 // Few pieces of the image have most of the error. With twice as many views in all tiles, the interval would
 // be 4.7 dB wide.
 TEST(AutoPicture, KnowsTheErrorIfItIsInFewPieces) {
@@ -244,24 +213,6 @@ TEST(AutoPicture, KnowsTheErrorIfItIsInFewPieces) {
     const AutoResult r = auto_picture(of, s);
     ASSERT_TRUE(r.hybrid.stated);
     EXPECT_LT(r.hybrid.stated->width_db(), 2.1) << r.plan;
-}
-
-// `layers` computes a sum for each surface that a pixel may show. Through a wide aperture, a pixel shows the
-// reflections in many balls.
-TEST(AutoPicture, LeavesLayersOutIfItTakesLongerThanTheFirstViews) {
-    Scene scene = read_scene(std::filesystem::path(POSTLENS_TEST_DATA) / "nff" / "balls_s2.nff");
-    scene.cameras[0].width = 64;
-    scene.cameras[0].height = 64;
-    AutoSettings s = settings(25, 2);
-    s.hybrid.scene = &scene;
-    TraceSettings trees = traced(true, 1);
-    trees.whitted.max_depth = 3;
-    const TracedFrame frame(scene, trees);
-    FocusFrame of(frame.file());
-    for (const double f_number : {2.8, 0.1}) {
-        s.hybrid.focus.lens.f_number = f_number;
-        EXPECT_EQ(auto_picture(of, s).layers_share > 0, f_number > 1) << f_number;
-    }
 }
 
 TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
