@@ -101,6 +101,8 @@ void RayScene::Impl::add_analytic(const PlacedShape& placed, const dmat4& world_
     item.object = object;
     item.object_from_local = placed.object_from_local;
     item.local_from_world = glm::inverse(world_from_local);
+    if (item.shape.flat())
+        item.flat_normal = glm::normalize(local_normal(item.shape, 0, {}) * dmat3(item.local_from_world));
     item.linear = glm::mat3(dmat3(item.local_from_world));
     item.pivot = glm::vec3(dvec3(world_from_local[3]));
     item.shift = glm::vec3(dvec3(item.local_from_world * glm::dvec4(dvec3(item.pivot), 1)));

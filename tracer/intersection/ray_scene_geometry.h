@@ -68,6 +68,7 @@ struct AnalyticSet {
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
+        glm::dvec3 flat_normal{0};  // unit, in world space; only for flat shapes
         // local_from_world in single precision: local = linear * (p - pivot) + shift.
         // Subtracting the pivot first preserves precision far from the world's origin.
         glm::mat3 linear{1};

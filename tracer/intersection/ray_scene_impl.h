@@ -113,10 +113,10 @@ struct RayScene::Impl {
     static void solve(const AnalyticShape& shape, LocalHit& hit);
     void look_up_texture(const AnalyticShape& shape, const glm::dmat4& object_from_local, const LocalHit& hit,
                          SurfacePoint& out) const;
-    template <typename Item, typename ToWorld>
-    [[nodiscard]] SurfacePoint solved_surface(const Item& item, LocalHit hit, const glm::dvec3& o,
+    template <typename Item, typename Normal>
+    [[nodiscard]] SurfacePoint solved_surface(const Item& item, LocalHit& hit, const glm::dvec3& o,
                                               const glm::dvec3& d, bool normals,
-                                              const ToWorld& normal_to_world) const;
+                                              const Normal& world_normal) const;
     [[nodiscard]] SurfacePoint analytic_surface(const AnalyticSet::Item& item, const glm::dvec3& o,
                                                 const glm::dvec3& d, double t, bool normals) const;
     [[nodiscard]] SurfacePoint moving_surface(std::uint32_t primitive, const glm::dvec3& o,

@@ -67,26 +67,28 @@ void RayScene::Impl::look_up_texture(const AnalyticShape& shape, const dmat4& ob
     out.object_position = dvec3(object_from_local * glm::dvec4(local, 1));
 }
 
-template <typename Item, typename ToWorld>
-SurfacePoint RayScene::Impl::solved_surface(const Item& item, LocalHit hit, const dvec3& o, const dvec3& d,
-                                            bool normals, const ToWorld& normal_to_world) const {
+template <typename Item, typename Normal>
+SurfacePoint RayScene::Impl::solved_surface(const Item& item, LocalHit& hit, const dvec3& o, const dvec3& d,
+                                            bool normals, const Normal& world_normal) const {
     solve(item.shape, hit);
     SurfacePoint s;
     s.object = item.object;
     look_up_texture(item.shape, item.object_from_local, hit, s);
     if (!normals) return s;
     s.position = o + s.t * d;
-    s.geometric_normal = s.normal =
-        glm::normalize(normal_to_world(local_normal(item.shape, s.part, hit.position())));
+    s.geometric_normal = s.normal = world_normal(hit);
     return s;
 }
 
 SurfacePoint RayScene::Impl::analytic_surface(const AnalyticSet::Item& item, const dvec3& o, const dvec3& d,
                                               double t, bool normals) const {
     const dmat3 linear(item.local_from_world);
-    const LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
+    LocalHit hit{dvec3(item.local_from_world * glm::dvec4(o, 1)), linear * d, t};
     // Normals transform as covectors.
-    return solved_surface(item, hit, o, d, normals, [&](const dvec3& n) { return n * linear; });
+    return solved_surface(item, hit, o, d, normals, [&](const LocalHit& at) {
+        return item.shape.flat() ? item.flat_normal
+                                 : glm::normalize(local_normal(item.shape, at.part, at.position()) * linear);
+    });
 }
 
 SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3& o, const dvec3& d, double t,
@@ -94,11 +96,13 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const MovingSet::Item& item = moving.items[primitive];
     const MotionPath::Pose pose = moving.paths[item.path].at(span.at(time));
     const dmat3 base(item.local_from_base);
-    const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
-                       base * pose.unmoved_direction(d), t};
-    // Inverse transpose of the local-to-world matrix R S base^-1 (rotation R, scale S): R S^-1 base^T.
-    return solved_surface(item, hit, o, d, normals,
-                          [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
+    LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
+                 base * pose.unmoved_direction(d), t};
+    // Normals transform by the inverse transpose: the transpose of `base`, then 1 / scale, then the rotation.
+    return solved_surface(item, hit, o, d, normals, [&](const LocalHit& at) {
+        const dvec3 n = local_normal(item.shape, at.part, at.position());
+        return glm::normalize(pose.rotation * ((n * base) / pose.scale));
+    });
 }
 
 TriangleFrame RayScene::Impl::triangle(const HitKey& key, double time) const {

@@ -41,9 +41,11 @@ bool CellSplit::differ(const CornerCell& c, const Seen* s, int count) const {
 
 bool CellSplit::pattern_between(const Seen* s, int count) const {
     if (s[0].chunk->sources.empty()) return false;
+    NodeOfEach node;
     for (std::uint32_t n = 0; n < s[0].count; ++n) {
-        const auto node = nodes_like(s, count, n);
-        if (node && (shadows_differ(s, *node, count) || texture_differs(s, *node, count))) return true;
+        if (nodes_like(s, count, n, node) &&
+            (shadows_differ(s, node, count) || texture_differs(s, node, count)))
+            return true;
     }
     return false;
 }
@@ -65,22 +67,18 @@ void CellSplit::mark_leaf(const CornerCell& c) const {
                                [](const ColourSource& s) { return s.texture != nullptr; });
     }
     if (!textures && !parts) return;
-    std::array<Seen, 4> seen;
-    std::array<std::uint32_t, 4> at{};
+    std::array<Seen, 4> seen = visible_layers(c);
     const auto mark = [&] {
         if (textures) mark_textures(seen);
         if (parts) mark_parts(seen);
     };
-    for (std::size_t i = 0; i < 4; ++i) {
-        const CornerSample& s = samples_[c.corner[i]];
-        seen[i] = visible_layer(s);
-        at[i] = s.visible;
-    }
     mark();
+    std::array<std::uint32_t, 4> at{};
+    for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
     while (std::all_of(at.begin(), at.end(), [&, i = std::size_t{0}](std::uint32_t a) mutable {
         return a < samples_[c.corner[i++]].count;
     })) {
-        for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+        for (std::size_t i = 0; i < 4; ++i) take_layer(samples_[c.corner[i]], at[i], seen[i]);
         mark();
     }
 }
@@ -94,28 +92,27 @@ void CellSplit::mark_parts(const std::array<Seen, 4>& s) {
 }
 
 void CellSplit::mark_textures(const std::array<Seen, 4>& s) const {
+    NodeOfEach node;
     for (std::uint32_t n = 0; n < s[0].count; ++n) {
         if (s[0].chunk->sources[s[0].first + n].texture == nullptr) continue;
-        const auto node = nodes_like(s.data(), 4, n);
-        if (!node || !texture_differs(s.data(), *node, 4)) continue;
-        for (std::size_t i = 0; i < 4; ++i)
-            set_mark(s[i].chunk->records[(*node)[i]], RecordMark::fine_texture);
+        if (!nodes_like(s.data(), 4, n, node) || !texture_differs(s.data(), node, 4)) continue;
+        for (std::size_t i = 0; i < 4; ++i) set_mark(s[i].chunk->records[node[i]], RecordMark::fine_texture);
     }
 }
 
-std::optional<CellSplit::NodeOfEach> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
-    NodeOfEach node{s[0].first + n};
+bool CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out) {
+    out[0] = s[0].first + n;
     for (int i = 1; i < count; ++i) {
         if (n == 0 && s[i].path == s[0].path) {  // the surfaces themselves, without a look at their records
-            if (s[i].id != s[0].id) return std::nullopt;
-            node[static_cast<std::size_t>(i)] = s[i].first;
+            if (s[i].id != s[0].id) return false;
+            out[static_cast<std::size_t>(i)] = s[i].first;
             continue;
         }
-        const auto found = node_like(s[0].chunk->records[node[0]], s[i], n);
-        if (!found) return std::nullopt;
-        node[static_cast<std::size_t>(i)] = *found;
+        const auto found = node_like(s[0].chunk->records[out[0]], s[i], n);
+        if (!found) return false;
+        out[static_cast<std::size_t>(i)] = *found;
     }
-    return node;
+    return true;
 }
 
 std::optional<std::uint32_t> CellSplit::node_of_path(NodePath path, const Seen& in, std::uint32_t guess) {
@@ -180,14 +177,17 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     return false;
 }
 
-CellSplit::Seen CellSplit::take_layer(const CornerSample& s, std::uint32_t& at) const {
+void CellSplit::take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const {
     TracedSamples& chunk = chunks_[s.chunk];
     const Record* r = chunk.records.data() + s.first;
     const std::uint32_t layer = r[at].layer;
-    Seen out{r[at].id,   chunk.sources.empty() ? 0 : chunk.sources[s.first + at].part,
-             r[at].path, {},
-             &chunk,     s.first + at,
-             0};
+    out.id = r[at].id;
+    out.part = chunk.sources.empty() ? 0 : chunk.sources[s.first + at].part;
+    out.path = r[at].path;
+    out.rgb = {};
+    out.chunk = &chunk;
+    out.first = s.first + at;
+    out.count = 0;
     for (; at < s.count && r[at].layer == layer; ++at) {
         const glm::vec3 c = steady_radiance(chunk, s.first + at);
         out.rgb[0] += c.r;
@@ -195,17 +195,13 @@ CellSplit::Seen CellSplit::take_layer(const CornerSample& s, std::uint32_t& at) 
         out.rgb[2] += c.b;
         ++out.count;
     }
-    return out;
 }
 
 bool CellSplit::splits(const CornerCell& c) const {
-    std::array<Seen, 4> seen;
-    bool hidden = false;
-    for (std::size_t i = 0; i < 4; ++i) {
-        const CornerSample& s = samples_[c.corner[i]];
-        seen[i] = visible_layer(s);
-        hidden = hidden || s.count > s.visible;
-    }
+    const std::array<Seen, 4> seen = visible_layers(c);
+    const bool hidden = std::any_of(c.corner.begin(), c.corner.end(), [&](std::uint32_t corner) {
+        return samples_[corner].count > samples_[corner].visible;
+    });
     return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
            (!things_.empty() && small_things_ask(c, hidden)) ||
            (is_larger(c, settings_.edge_levels) && outline_between(c)) ||
@@ -213,9 +209,9 @@ bool CellSplit::splits(const CornerCell& c) const {
 }
 
 bool CellSplit::centre_differs(const CornerCell& c, std::uint32_t centre) const {
-    std::array<Seen, most_samples> seen;
-    for (std::size_t i = 0; i < 4; ++i) seen[i] = visible_layer(samples_[c.corner[i]]);
-    seen[4] = visible_layer(samples_[centre]);
+    const auto [a, b, d, e] = c.corner;
+    const std::array<Seen, most_samples> seen{visible_layer(a), visible_layer(b), visible_layer(d),
+                                              visible_layer(e), visible_layer(centre)};
     return differ(c, seen.data(), most_samples);
 }
 
@@ -270,17 +266,21 @@ bool CellSplit::bright_images_ask(const CornerCell& c, const std::array<Seen, 4>
 
 bool CellSplit::hidden_layers_differ(const CornerCell& c) const {
     std::array<std::uint32_t, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
+    constexpr std::uint32_t none = 0xFFFFFFFFU;
+    std::array<std::uint32_t, 4> paths{};
+    for (std::size_t i = 0; i < 4; ++i) {
+        at[i] = samples_[c.corner[i]].visible;
+        paths[i] = next_path(c.corner[i], at[i], none);
+    }
+    std::array<Seen, 4> seen;
     for (;;) {
-        constexpr std::uint32_t none = 0xFFFFFFFFU;
-        std::uint32_t path = none;
-        for (std::size_t i = 0; i < 4; ++i) path = std::min(path, next_path(c.corner[i], at[i], none));
+        const std::uint32_t path = *std::min_element(paths.begin(), paths.end());
         if (path == none) return false;
-        std::array<Seen, 4> seen;
         int count = 0;
         for (std::size_t i = 0; i < 4; ++i) {
-            if (next_path(c.corner[i], at[i], none) != path) continue;
-            seen[static_cast<std::size_t>(count++)] = take_layer(samples_[c.corner[i]], at[i]);
+            if (paths[i] != path) continue;
+            take_layer(samples_[c.corner[i]], at[i], seen[static_cast<std::size_t>(count++)]);
+            paths[i] = next_path(c.corner[i], at[i], none);
         }
         if (differ(c, seen.data(), count)) return true;
     }

@@ -68,10 +68,11 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the first sample's n-th surface point and the points of other samples with equal object and
-    /// bounces.
-    [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the index of the surface point hit after the bounces `path`. Tests index `guess` first.
+    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
+    /// trees: points of the same object after the same bounces. Returns false if a tree has none.
+    [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
+    /// Returns the surface point that a shading tree contains after this sequence of bounces.
+    /// Tests the index `guess` first, because most corners of a cell have similar trees.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -81,11 +82,17 @@ class CellSplit {
     /// Returns true if the texture varies so much between the samples that the cell must be divided.
     /// Considers all colours in the bounding box of the samples' texture coordinates.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
-    [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
+    [[nodiscard]] Seen visible_layer(std::uint32_t sample) const {
+        const CornerSample& s = samples_[sample];
         return {s.id, s.part, {}, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Returns the records of the surface that begin at index `at`, and moves `at` past them.
-    [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
+    [[nodiscard]] std::array<Seen, 4> visible_layers(const CornerCell& c) const {
+        return {visible_layer(c.corner[0]), visible_layer(c.corner[1]), visible_layer(c.corner[2]),
+                visible_layer(c.corner[3])};
+    }
+    /// Sets `out` to the shading tree of the visible or hidden surface that begins at record `at` of the
+    /// sample. Sets `at` to the index after its last record.
+    void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;

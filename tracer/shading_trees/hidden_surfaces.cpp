@@ -130,7 +130,11 @@ class Follower {
         if (visible) return;
         if (wanted_.all() || seen_past || uncovered) {
             ++c.kept;
-            out_.push_back({c.ray, static_cast<std::uint32_t>(layer), key, s});
+            HiddenHit& hit = out_.emplace_back();
+            hit.ray = c.ray;
+            hit.layer = static_cast<std::uint32_t>(layer);
+            hit.key = key;
+            hit.surface = s;
         }
         c.goes_on = key.valid() && needs_more(c);
     }
@@ -230,10 +234,14 @@ double FirstHit::inverse_depth_limit() const {
 
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent) {
-    thread_local std::vector<Chain> chains;  // kept for the memory of their vectors
-    thread_local std::vector<std::uint32_t> open;
-    thread_local std::vector<HiddenHit> found;
-    thread_local RayBatch batch;
+    struct Buffers {
+        std::vector<Chain> chains;  // kept for the memory of their vectors
+        std::vector<std::uint32_t> open;
+        std::vector<HiddenHit> found;
+        RayBatch batch;
+    };
+    thread_local Buffers buffers;
+    auto& [chains, open, found, batch] = buffers;
     open.clear();
     found.clear();
     if (chains.size() < eye.size()) chains.resize(eye.size());

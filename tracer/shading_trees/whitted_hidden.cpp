@@ -2,6 +2,8 @@
 // Each hidden surface becomes the root of its own shading tree.
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 #include <tuple>
 
 #include "tracer/shading_trees/hidden_surfaces.h"
@@ -34,7 +36,7 @@ void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, 
     if (measures_bends()) w.chain_bounces.push_back(w.bounces[ray.differentials]);
 }
 
-void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w,
+void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w,
                                RayCounts& counts) const {
     if (ray.path.bits() != 0) {
         ray.differentials = static_cast<std::uint32_t>(w.differentials.count);
@@ -72,16 +74,19 @@ void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
 
 void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts) const {
     find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
-    std::sort(w.hidden.begin(), w.hidden.end(), [&](const HiddenHit& a, const HiddenHit& b) {
+    w.order.resize(w.hidden.size());
+    std::iota(w.order.begin(), w.order.end(), 0U);
+    std::sort(w.order.begin(), w.order.end(), [&](std::uint32_t a, std::uint32_t b) {
         const auto order = [&](const HiddenHit& h) {
             const PathRay& r = w.chain_rays[h.ray];
             return std::tuple(r.sample, r.path.bits(), h.layer);
         };
-        return order(a) < order(b);
+        return order(w.hidden[a]) < order(w.hidden[b]);
     });
     begin_generation(w);
     w.differentials.count = w.bounces.count = 0;
-    for (const HiddenHit& h : w.hidden) {
+    for (const std::uint32_t i : w.order) {
+        const HiddenHit& h = w.hidden[i];
         PathRay ray = w.chain_rays[h.ray];
         ray.layer = w.next_layer[ray.sample]++;
         root(w.chain_hits[h.ray], h, ray, w, counts);

@@ -127,7 +127,7 @@ struct WhittedTracer::Impl {
     // Each hidden surface seen in a mirror or through glass becomes a new layer, without the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
-    void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
+    void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,

@@ -100,17 +100,20 @@ void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
     std::vector<std::uint32_t>& next = w.order;
     next.assign(out.offsets.begin(), out.offsets.end() - 1);
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
-        Node& n = w.nodes[i];
+        const Node& n = w.nodes[i];
         const dvec3 c = n.radiance * n.throughput;
-        n.record.x = static_cast<float>(w.positions[n.sample].x);
-        n.record.y = static_cast<float>(w.positions[n.sample].y);
-        n.record.r = static_cast<float>(c.x);
-        n.record.g = static_cast<float>(c.y);
-        n.record.b = static_cast<float>(c.z);
-        if (with_noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
-        if (has_sources) out.sources[next[n.sample]] = n.source;
-        if (has_arrivals) out.arrivals[next[n.sample]] = n.arrival;
-        out.records[next[n.sample]++] = n.record;
+        const std::uint32_t at = next[n.sample]++;
+        // Copies first, because a copy of fields that were just set would wait for them.
+        Record& r = out.records[at];
+        r = n.record;
+        r.x = static_cast<float>(w.positions[n.sample].x);
+        r.y = static_cast<float>(w.positions[n.sample].y);
+        r.r = static_cast<float>(c.x);
+        r.g = static_cast<float>(c.y);
+        r.b = static_cast<float>(c.z);
+        if (with_noisy) out.noisy[at] = glm::vec3(n.noisy * n.throughput);
+        if (has_sources) out.sources[at] = n.source;
+        if (has_arrivals) out.arrivals[at] = n.arrival;
     }
     const auto before = [](const Record& a, const Record& b) {
         return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
