@@ -6,9 +6,11 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
+#include <tbb/task_group.h>
 #include <thread>
 #include <vector>
 
+#include "core/error.h"
 #include "core/job.h"
 
 namespace postlens {
@@ -55,29 +57,17 @@ void run_in_order(std::size_t count, std::size_t /*at_a_time*/, const std::funct
     }
 }
 
-#else
-
-void parallel_chunks(std::size_t count, std::size_t grain,
-                     const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
-    Job& job = Job::current();
-    job.run([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              const JobScope scope(job);
-                              // Checks for cancellation every `grain` indices, because a range from TBB can
-                              // be many times longer.
-                              for (std::size_t begin = range.begin(); begin != range.end();) {
-                                  throw_if_interrupted();
-                                  const std::size_t end = begin + std::min(grain, range.end() - begin);
-                                  chunk(begin, end);
-                                  begin = end;
-                              }
-                          });
-    });
+void run_overlapped(std::size_t count, std::size_t /*ahead*/, const std::function<void(std::size_t)>& make,
+                    const std::function<void(std::size_t)>& end) {
+    run_in_order(count, 1, make, end);
 }
 
-void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
-                  const std::function<void(std::size_t)>& end) {
+#else
+
+namespace {
+
+void run_pipeline(std::size_t count, std::size_t at_a_time, tbb::filter_mode make_mode,
+                  const std::function<void(std::size_t)>& make, const std::function<void(std::size_t)>& end) {
     Job& job = Job::current();
     std::size_t next = 0;
     const auto begin_one = [&](tbb::flow_control& control) {
@@ -102,9 +92,46 @@ void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<
     job.run([&] {
         tbb::parallel_pipeline(
             at_a_time, tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, begin_one) &
-                           tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, make_one) &
+                           tbb::make_filter<std::size_t, std::size_t>(make_mode, make_one) &
                            tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, end_one));
     });
+}
+
+}  // namespace
+
+void parallel_chunks(std::size_t count, std::size_t grain,
+                     const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
+    Job& job = Job::current();
+    job.run([&] {
+        tbb::task_group_context context;
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, count, grain),
+            [&](const tbb::blocked_range<std::size_t>& range) {
+                const JobScope scope(job);
+                // Checks for cancellation every `grain` indices, because a range from TBB can be many times
+                // longer.
+                for (std::size_t begin = range.begin(); begin != range.end();) {
+                    throw_if_interrupted();
+                    const std::size_t end = begin + std::min(grain, range.end() - begin);
+                    chunk(begin, end);
+                    begin = end;
+                }
+            },
+            context);
+        // If a part of an outer loop throws, TBB also ends this loop, without an error. The caller must not
+        // go on with a part of the results. TBB passes on only the first exception.
+        if (context.is_group_execution_cancelled()) fail(ExitCode::interrupted, "an outer loop has failed");
+    });
+}
+
+void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
+                  const std::function<void(std::size_t)>& end) {
+    run_pipeline(count, at_a_time, tbb::filter_mode::parallel, make, end);
+}
+
+void run_overlapped(std::size_t count, std::size_t ahead, const std::function<void(std::size_t)>& make,
+                    const std::function<void(std::size_t)>& end) {
+    run_pipeline(count, ahead + 1, tbb::filter_mode::serial_in_order, make, end);
 }
 
 #endif

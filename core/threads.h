@@ -35,6 +35,11 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 
+/// Calls make(i) and end(i) for each i in [0, count). The calls of make are made one at a time, in order, and
+/// so are those of end. While end(i) runs, make(i + 1) to make(i + ahead) may run.
+void run_overlapped(std::size_t count, std::size_t ahead, const std::function<void(std::size_t)>& make,
+                    const std::function<void(std::size_t)>& end);
+
 /// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make run at once, and may
 /// contain parallel loops. Calls of end are made one at a time, in order.
 template <typename Make, typename End>

@@ -184,5 +184,60 @@ TEST(MakeInOrder, PassesOnWhatIsThrownAndEndsNothingAfterIt) {
     }
 }
 
+TEST(RunOverlapped, MakesAndEndsInOrderAndRunsAheadNoFurtherThanAllowed) {
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        for (const std::size_t ahead : {std::size_t{0}, std::size_t{1}, std::size_t{3}}) {
+            std::atomic<std::size_t> made{0}, ended{0};
+            std::atomic<int> making{0}, ending{0};
+            run_overlapped(
+                30, ahead,
+                [&](std::size_t i) {
+                    EXPECT_EQ(++making, 1);
+                    EXPECT_EQ(i, made);
+                    EXPECT_LE(i, ended + ahead);
+                    parallel_for(20, [](std::size_t) {});
+                    ++made;
+                    --making;
+                },
+                [&](std::size_t i) {
+                    EXPECT_EQ(++ending, 1);
+                    EXPECT_EQ(i, ended);
+                    EXPECT_LT(i, made);
+                    parallel_for(20, [](std::size_t) {});
+                    ++ended;
+                    --ending;
+                });
+            EXPECT_EQ(ended, 30U);
+        }
+    }
+}
+
+TEST(RunOverlapped, NothingGoesOnWithAPartOfALoop) {
+    const ThreadLimit limit(2);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+        std::atomic<bool> in_loop{false}, went_on{false};
+        EXPECT_THROW(run_overlapped(
+                         3, 1,
+                         [&](std::size_t i) {
+                             if (i != 1) return;
+                             std::atomic<int> done{0};
+                             parallel_for(200, [&](std::size_t) {
+                                 in_loop = true;
+                                 std::this_thread::sleep_for(std::chrono::microseconds(20));
+                                 ++done;
+                             });
+                             went_on = went_on || done < 200;
+                         },
+                         [&](std::size_t i) {
+                             for (int k = 0; k < 1000 && !in_loop; ++k)
+                                 std::this_thread::sleep_for(std::chrono::microseconds(20));
+                             if (i == 0) throw std::runtime_error("zero");
+                         }),
+                     std::runtime_error);
+        EXPECT_FALSE(went_on);
+    }
+}
+
 }  // namespace
 }  // namespace postlens::test::threads_test

@@ -13,12 +13,17 @@ namespace postlens {
 
 class CornerRecords {
   public:
-    /// Writes the records of pixel rows [y_begin, y_end), one pixel after the other.
+    /// Sorts the samples of pixel rows [y_begin, y_end) by pixel.
+    void sort(const CornerGrid& grid, std::span<const CornerSample> samples, int y_begin, int y_end);
+    /// Writes the records of some of these rows, one pixel after the other. `samples` must be the same.
     void emit(const CornerGrid& grid, std::span<const CornerSample> samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 
   private:
-    std::vector<std::uint32_t> first_, order_, next_;  ///< buffers, reused to save allocations
+    int y_begin_ = 0;  ///< first row
+    /// For each pixel, its first sample in `order_`, which lists indices of samples, and its first record.
+    std::vector<std::uint32_t> first_, order_, first_record_;
+    std::vector<std::uint32_t> next_;  ///< buffer
 };
 
 }  // namespace postlens

@@ -26,10 +26,10 @@ constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band (group of rows in memory) that contains row y ends.
+// Returns the row at which the band (group of rows in memory) or part of a band that contains row y ends.
 // Bands end at fixed rows, so records do not depend on the first row that is traced.
-int end_of_band(int y) {
-    return (floor_div(y, band_rows) + 1) * band_rows;
+int next_multiple(int y, int rows) {
+    return (floor_div(y, rows) + 1) * rows;
 }
 
 class BandSampler {
@@ -43,16 +43,25 @@ class BandSampler {
 
     RayCounts counts;
 
-    void band(int y_begin, int y_end, RecordBand& out) {
-        const bool first = y_begin == grid_.window.y_begin, last = y_end == grid_.window.y_end;
+    // Traces the rows of a band. Bands must be traced from top to bottom.
+    void trace_band(int y_begin, int y_end) {
+        const bool first = y_begin == grid_.window.y_begin;
+        if (!first) carry(y_begin);
         start_band(y_begin, y_end, first);
         refine(y_begin, y_end);
-        records_.emit(grid_, std::span(samples_).first(sample_count_), chunks_, y_begin,
-                      last ? y_end + 1 : y_end, out);
-        if (!last) carry(y_end);
+        records_.sort(grid_, std::span(samples_).first(sample_count_), y_begin, end_of_records(y_end));
+    }
+
+    // Writes the records of rows y_begin to y_end - 1 of the band that was traced last.
+    void emit(int y_begin, int y_end, RecordBand& out) {
+        records_.emit(grid_, samples_, chunks_, y_begin, end_of_records(y_end), out);
     }
 
   private:
+    // The last row of pixels also has samples on its lower edge, which are recorded in a row of their own.
+    [[nodiscard]] int end_of_records(int y_end) const {
+        return y_end == grid_.window.y_end ? y_end + 1 : y_end;
+    }
     [[nodiscard]] std::size_t corner_index(int column, int row) const {
         return static_cast<std::size_t>(row) * static_cast<std::size_t>(grid_.columns) +
                static_cast<std::size_t>(column);
@@ -361,9 +370,9 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of this band of rows, because the next band shares them.
-    void carry(int y_end) {
-        const std::uint32_t edge = grid_.row(y_end);
+    // Keeps the samples on the upper edge of the next band, which it shares with the band that was traced.
+    void carry(int y_begin) {
+        const std::uint32_t edge = grid_.row(y_begin);
         carried_.records.clear();
         carried_.noisy.clear();
         carried_.sources.clear();
@@ -416,13 +425,20 @@ RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& windo
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things) {
     BandSampler sampler(tracer, window, settings, things);
-    RecordBand band;
-    for (int y = window.y_begin; y < window.y_end;) {
-        const int end = std::min(end_of_band(y), window.y_end);
-        sampler.band(y, end, band);
-        take(band);
-        y = end;
-    }
+    // Each band is passed on in parts, which need less memory.
+    constexpr int part_rows = band_rows / 4;
+    std::vector<int> rows{window.y_begin};  // where parts begin and end
+    while (rows.back() < window.y_end)
+        rows.push_back(std::min(next_multiple(rows.back(), part_rows), window.y_end));
+    std::array<RecordBand, 4> parts;
+    run_overlapped(
+        rows.size() - 1, parts.size() - 1,
+        [&](std::size_t i) {
+            const int band_end = std::min(next_multiple(rows[i], band_rows), window.y_end);
+            if (i == 0 || rows[i] % band_rows == 0) sampler.trace_band(rows[i], band_end);
+            sampler.emit(rows[i], rows[i + 1], parts[i % parts.size()]);
+        },
+        [&](std::size_t i) { take(parts[i % parts.size()]); });
     return sampler.counts;
 }
 

@@ -28,8 +28,9 @@ struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Traces the window in bands of rows. Passes each complete band to `take`, from top to bottom.
-/// A cell is divided in any of these cases:
+/// Traces the window in bands of rows. Passes the records of a few rows at a time to `take`, from top to
+/// bottom, while the next rows are traced. Calls of `take` are made one at a time, by any thread. A cell is
+/// divided in any of these cases:
 /// - Its corners show different objects, or different parts of an object (down to `edge_levels`).
 /// - The outline of another part of a mesh crosses the cell in front of its corners (down to `edge_levels`).
 /// - Colours at its corners or the texture between them have a contrast above `threshold` (`colour_levels`).
