@@ -15,14 +15,15 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns a hint for a search of the depth pyramid (least and greatest depths in squares of pixels): where
-/// this thread's last search for a similar inverse depth ended.
-/// The new search is usually close by, and often ends in the same square.
-MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth) {
-    thread_local std::array<MinMaxPyramid::Hint, 256> hints;
+/// Returns where this thread's last search of the depth pyramid ended that began in the same columns and with
+/// a similar inverse depth. The next search is usually close by and often ends in the same square of pixels.
+MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth, double x) {
+    thread_local std::array<MinMaxPyramid::Hint, 1024> hints;
     const std::size_t depth =
         std::bit_cast<std::uint64_t>(inverse_depth) >> 49U;  // sign, exponent and three bits of the fraction
-    return hints[(std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) + depth) % hints.size()];
+    const auto columns = static_cast<std::size_t>(static_cast<std::int64_t>(x) / 32);
+    return hints[(std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) + depth + 37 * columns) %
+                 hints.size()];
 }
 
 WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
@@ -30,6 +31,29 @@ WhittedSettings settings_for(int max_depth, double aperture_radius_m) {
             .min_contribution = 0,
             .lens_radius_m = aperture_radius_m,
             .lit = false};
+}
+
+/// Sets `z` to the depths, m, of the first surfaces that the eye rays through `positions` hit.
+void depths_of_eye_rays(const RayScene& scene, const CameraModel& camera,
+                        std::span<const glm::dvec2> positions, std::vector<float>& z) {
+    thread_local std::vector<CameraRay> eye;
+    thread_local RayBatch batch;
+    eye.clear();
+    batch.clear(false);
+    for (const glm::dvec2& at : positions) {
+        eye.push_back(camera.ray(at.x, at.y));
+        batch.add(eye.back().origin, eye.back().direction, std::numeric_limits<float>::infinity());
+    }
+    scene.intersect(batch, true);
+    z.clear();
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+        const HitKey key = batch.hit(k);
+        const double t =
+            key.valid()
+                ? scene.texture_point(key, eye[k].origin, eye[k].direction, static_cast<double>(batch.t[k])).t
+                : std::numeric_limits<double>::infinity();
+        z.push_back(static_cast<float>(t * eye[k].cos_axis));
+    }
 }
 
 }  // namespace
@@ -49,6 +73,7 @@ LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double ap
                   top = y_begin + static_cast<int>(i) / tiles_across * tile;
         thread_local std::vector<glm::dvec2> positions;
         thread_local TracedSamples traced;
+        thread_local std::vector<float> z;
         positions.clear();
         // Each packet of 16 rays is a block of 4 x 4 pixels, so its rays are coherent.
         for (int block = 0; block < tile * tile / 16; ++block) {
@@ -57,18 +82,29 @@ LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double ap
                 if (x < x_end && y < y_end) positions.emplace_back(x, y);
             }
         }
-        RayCounts counts;
-        tracer.trace(positions, traced, counts);
+        if (tracer.has_deeper_nodes()) {
+            RayCounts counts;
+            tracer.trace(positions, traced, counts);
+        } else {
+            depths_of_eye_rays(scene, camera, positions, z);
+        }
         for (std::size_t k = 0; k < positions.size(); ++k) {
+            const int x = static_cast<int>(positions[k].x), y = static_cast<int>(positions[k].y);
+            float& inverse_depth =
+                visible[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
+                        static_cast<std::size_t>(x - x_begin)];
+            if (!tracer.has_deeper_nodes()) {
+                inverse_depth = 1 / z[k];
+                continue;
+            }
             const auto records = std::span(traced.records)
                                      .subspan(traced.offsets[k], traced.offsets[k + 1] - traced.offsets[k]);
-            const int x = static_cast<int>(positions[k].x), y = static_cast<int>(positions[k].y);
-            visible[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
-                    static_cast<std::size_t>(x - x_begin)] = 1 / records.front().z;
+            inverse_depth = 1 / records.front().z;
             add_chains(records, x, y, chains[i]);
         }
     });
-    views_.emplace(View{0, 0}, MinMaxPyramid(x_begin, y_begin, width, height, visible));
+    eye_view_ =
+        &views_.emplace(View{0, 0}, MinMaxPyramid(x_begin, y_begin, width, height, visible)).first->second;
     std::vector<Seen> all;
     for (std::vector<Seen>& of : chains) all.insert(all.end(), of.begin(), of.end());
     std::stable_sort(all.begin(), all.end(), [](const Seen& a, const Seen& b) { return a.view < b.view; });
@@ -115,12 +151,16 @@ bool LensReach::may_see_past(const Covers& covers) const {
 }
 
 bool LensReach::looks_behind(const Covers& covers, double behind, Search search, Peek peek) const {
-    const auto view = views_.find({covers.path.bits(), covers.parent});
-    if (view == views_.end()) return false;
-    const MinMaxPyramid& seen = view->second;
+    const MinMaxPyramid* view = eye_view_;
+    if (covers.path.bits() != 0) {
+        const auto found = views_.find({covers.path.bits(), covers.parent});
+        if (found == views_.end()) return false;
+        view = &found->second;
+    }
+    const MinMaxPyramid& seen = *view;
     const double k = px_per_inverse_m_, least = same_place_px_ / k;
     if (covers.farthest - std::max(behind, seen.least()) < least) return false;  // the usual case
-    MinMaxPyramid::Hint& hint = hint_of(seen, covers.farthest);
+    MinMaxPyramid::Hint& hint = hint_of(seen, covers.farthest, covers.at.x);
     const auto cone_for = [&](double nearest) {
         const double radius = k * (nearest - behind) + margin_px;
         return MinMaxPyramid::Cone{covers.at, radius, covers.farthest, least, edge_slope / k};

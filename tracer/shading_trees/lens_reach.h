@@ -88,6 +88,7 @@ class LensReach {
     /// Parallax, px, from lens centre to rim per 1/m of difference in inverse depth.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
+    const MinMaxPyramid* eye_view_ = nullptr;  ///< the view of eye rays, which most searches need
 };
 
 }  // namespace postlens
