@@ -40,27 +40,21 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every sample of layer 0 (what the pinhole sees) in pixel (x, y),
-/// sorted by y, then by x. Throws if the upper left corner has no sample.
+/// sorted by y, then by x. With `top_edge_only`, leaves out samples below the pixel's upper edge. Throws if
+/// the upper left corner has no sample.
 template <typename OnSample>
-void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
+void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
-    const std::uint32_t begin = band.offsets[k];
-    std::uint32_t end = band.offsets[k + 1];
+    const std::uint32_t begin = band.offsets[k], end = band.offsets[k + 1];
     const Record* records = band.records.data();
-    while (end > begin && records[end - 1].layer != 0) --end;
-    if (begin == end || records[begin].x != static_cast<float>(x) ||
-        records[begin].y != static_cast<float>(y)) {
+    const auto visible = [&](std::uint32_t i) { return i < end && records[i].layer == 0; };
+    const auto top = static_cast<float>(y);
+    if (!visible(begin) || records[begin].x != static_cast<float>(x) || records[begin].y != top) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single point sample. Records are sorted by position, so the first and the last then
-    // have the same position.
-    if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
-        on_sample(begin, end - begin);
-        return;
-    }
-    for (std::uint32_t first = begin; first < end;) {
+    for (std::uint32_t first = begin; visible(first) && !(top_edge_only && records[first].y != top);) {
         std::uint32_t next = first + 1;
-        while (next < end && records[next].x == records[first].x && records[next].y == records[first].y)
+        while (visible(next) && records[next].x == records[first].x && records[next].y == records[first].y)
             ++next;
         on_sample(first, next - first);
         first = next;
@@ -182,7 +176,7 @@ void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, 
 void append_row(const RecordBand& band, int y, PointSamples& out) {
     const Record* records = band.records.data();
     for (int x = band.x_begin; x < band.x_end; ++x) {
-        for_each_sample(band, x, y, [&](std::uint32_t first, std::uint32_t count) {
+        for_each_sample(band, x, y, false, [&](std::uint32_t first, std::uint32_t count) {
             out.samples.push_back({records[first].x, records[first].y, first, count, {}, {}});
         });
         out.offsets.push_back(static_cast<std::uint32_t>(out.samples.size()));
@@ -201,16 +195,15 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Returns the samples of row y, with their colours, for pixels x_begin to x_end - 1. With `top_edge_only`,
-/// returns only those on the row's upper edge.
-ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
-    ColourRow row;
-    row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
-    row.offsets.reserve(static_cast<std::size_t>(x_end - x_begin) + 1);
+/// Sets `row` to the samples of row y, with their colours, for pixels x_begin to x_end - 1. With
+/// `top_edge_only`, includes only those on the row's upper edge.
+void colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only,
+                    ColourRow& row) {
+    row.samples.clear();
+    row.offsets.assign(1, 0);
     for (int x = x_begin; x < x_end; ++x) {
-        for_each_sample(band, x, y, [&](std::uint32_t first, std::uint32_t count) {
+        for_each_sample(band, x, y, top_edge_only, [&](std::uint32_t first, std::uint32_t count) {
             const Record* r = band.records.data() + first;
-            if (top_edge_only && r->y != static_cast<float>(y)) return;
             ColourSample s{r->x, r->y, 0, 0, 0};
             for (const Record* end = r + count; r != end; ++r) {
                 s.r += r->r;
@@ -221,7 +214,6 @@ ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, 
         });
         row.offsets.push_back(static_cast<std::uint32_t>(row.samples.size()));
     }
-    return row;
 }
 
 }  // namespace
@@ -304,8 +296,9 @@ void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& ou
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb) {
     assert(y >= band.y_begin && y + 1 < band.y_end && x_begin >= band.x_begin && x_end < band.x_end);
     assert(rgb.size() == static_cast<std::size_t>(x_end - x_begin) * 3);
-    const ColourRow upper = colours_of_row(band, y, x_begin, x_end + 1, false);
-    const ColourRow lower = colours_of_row(band, y + 1, x_begin, x_end + 1, true);
+    thread_local ColourRow upper, lower;
+    colours_of_row(band, y, x_begin, x_end + 1, false, upper);
+    colours_of_row(band, y + 1, x_begin, x_end + 1, true, lower);
     for (int x = x_begin; x < x_end; ++x) {
         const auto column = static_cast<std::size_t>(x - x_begin);
         double r = 0, g = 0, b = 0;

@@ -10,7 +10,7 @@ bool is_dyadic(float position, int pixel) {
     if (offset == 0) return true;
     const float steps = offset * position_steps;
     // The last condition rejects positions for which the subtraction was rounded.
-    return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
+    return steps > 0 && steps < position_steps && steps == static_cast<float>(static_cast<int>(steps)) &&
            static_cast<float>(pixel) + offset == position;
 }
 

@@ -18,11 +18,16 @@ constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
+/// Chunks differ in size, so a vector of exactly this size would often be filled with zeros.
+void resize_at_least(Bytes& bytes, std::size_t size) {
+    if (bytes.size() < size) bytes.resize(size);
+}
+
 /// Moves the bytes at even positions before those at odd positions. Then replaces each byte by its difference
 /// from the previous byte, plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
-    apart.resize(raw.size());
-    out.resize(raw.size());
+    resize_at_least(apart, raw.size());
+    resize_at_least(out, raw.size());
     const std::size_t pairs = raw.size() / 2;
     const std::size_t even_count = raw.size() - pairs;
     const std::uint8_t* __restrict from = raw.data();
@@ -83,7 +88,7 @@ void unpredict(Bytes& predicted, std::span<std::uint8_t> raw) {
 
 /// Returns the length of the encoded data, or 0 if it is not shorter than `in`.
 std::size_t run_length_encode(ByteView in, Bytes& out) {
-    out.resize(in.size() + 2);
+    resize_at_least(out, in.size() + 2);
     const std::size_t limit = in.size();
     std::size_t written = 0;
     std::size_t i = 0;
@@ -165,16 +170,17 @@ bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
 ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes& packed) {
     if (compression == ChunkCompression::none || raw.size() < 2) return raw;
     predict(raw, apart_, scratch_);
+    const ByteView predicted(scratch_.data(), raw.size());
     std::size_t size = 0;
     if (compression == ChunkCompression::rle) {
-        size = run_length_encode(scratch_, packed);
+        size = run_length_encode(predicted, packed);
     } else {
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
-        packed.resize(raw.size());
+        resize_at_least(packed, raw.size());
         // The limit of one byte less makes libdeflate fail if the data do not become smaller. The chunk is
         // then stored uncompressed.
-        size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
+        size = libdeflate_zlib_compress(compressor_.get(), predicted.data(), predicted.size(), packed.data(),
                                         raw.size() - 1);
     }
     return size == 0 ? raw : ByteView(packed.data(), size);
