@@ -1,5 +1,4 @@
 // The command `postlens compare`: its output, its exit codes and the images it writes.
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 #include "tests/support/compare_pictures.h"
+#include "tests/support/flat_exr.h"
 
 namespace postlens::test::compare_command_test {
 namespace {
@@ -165,13 +165,8 @@ TEST_F(CompareCommand, TooLittleMemoryIsFiveAndSaysHowMuchIsNeeded) {
     // The libraries and the images take about 400 MB of address space, the comparison another 446 MB.
     // The file has a small data window, so that it is written and read quickly.
     const std::string a = in("a.exr");
-    OIIO::ImageSpec spec(16, 16, 3, OIIO::TypeDesc::FLOAT);
-    spec.full_width = 2600;
-    spec.full_height = 2000;
-    const auto out = OIIO::ImageOutput::create(a);
-    const std::vector<float> pixels(std::size_t{16} * 16 * 3);
-    ASSERT_TRUE(out && out->open(a, spec) && out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) &&
-                out->close());
+    write_flat_exr(a, {"R", "G", "B"}, {0, 0, 16, 16}, {0, 0, 2600, 2000},
+                   [](int, int) { return std::vector<float>(3); });
     const Outcome r = run({a, a, "--threads", "1"}, "ulimit -v 600000; ");
     EXPECT_EQ(r.exit_code, 5) << r.err;
     EXPECT_NE(r.err.find("2600x2000 pixels (needs about 446 MB)"), std::string::npos) << r.err;
@@ -218,15 +213,9 @@ TEST_F(CompareCommand, PinholeAndNoise) {
 TEST_F(CompareCommand, MapAndSideBySideArePictures) {
     const std::string a = file("a.exr", waves(500, 100)), b = file("b.png", waves(500, 100));
     ASSERT_EQ(run({a, b, "--map", in("map.png"), "--side-by-side", in("both.png")}).exit_code, 0);
-    const auto map = OIIO::ImageInput::open(in("map.png"));
-    ASSERT_TRUE(map);
-    EXPECT_EQ(map->spec().width, 500);
-    EXPECT_EQ(map->spec().height, 100 + 60);  // the legend is 60 px high
-    const auto both = OIIO::ImageInput::open(in("both.png"));
-    ASSERT_TRUE(both);
-    EXPECT_EQ(both->spec().width, 3 * 500 + 4 * 8);
+    EXPECT_EQ(read_image_size(in("map.png")), (ImageSize{500, 100 + 60}));  // the legend is 60 px high
     // From top to bottom: name, gap, map, gap, two rows of figures and a note, gap; px.
-    EXPECT_EQ(both->spec().height, 18 + 8 + 160 + 8 + 3 * 18 + 8);
+    EXPECT_EQ(read_image_size(in("both.png")), (ImageSize{3 * 500 + 4 * 8, 18 + 8 + 160 + 8 + 3 * 18 + 8}));
     EXPECT_EQ(folder_.file_count(), 4U);
 }
 
@@ -234,16 +223,9 @@ TEST_F(CompareCommand, TheDisplayWindowIsWhatIsCompared) {
     // The file holds only the middle of the image, in a data window smaller than the display window.
     const Image whole = waves(40, 30);
     const std::string a = file("a.exr", whole), part = in("part.exr");
-    OIIO::ImageSpec spec(20, 10, 3, OIIO::TypeDesc::FLOAT);
-    spec.x = 10;
-    spec.y = 5;
-    spec.full_width = 40;
-    spec.full_height = 30;
-    const auto out = OIIO::ImageOutput::create(part);
-    ASSERT_TRUE(out && out->open(part, spec));
-    std::vector<float> pixels;
-    for (int y = 5; y < 15; ++y) pixels.insert(pixels.end(), whole.pixel(10, y), whole.pixel(30, y));
-    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) && out->close());
+    write_flat_exr(part, {"R", "G", "B"}, {10, 5, 20, 10}, {0, 0, 40, 30}, [&](int x, int y) {
+        return std::vector<float>(whole.pixel(x, y), whole.pixel(x, y) + 3);
+    });
     const Image back = read_image(part);
     ASSERT_EQ(back.width, 40);
     ASSERT_EQ(back.height, 30);

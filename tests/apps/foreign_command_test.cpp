@@ -1,5 +1,4 @@
 // Images of other programs on the command line: focus, image, info, and damaged files.
-#include <OpenImageIO/imageio.h>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -7,6 +6,7 @@
 #include "pictures/foreign/foreign_picture.h"
 #include "tests/apps/limited.h"
 #include "tests/support/command_test.h"
+#include "tests/support/flat_exr.h"
 
 namespace postlens::test::foreign_command_test {
 namespace {
@@ -18,19 +18,14 @@ const std::string data_folder = POSTLENS_TEST_DATA "/exr/";
 
 /// Writes an image with depth: a half-plane at 1 m in front of a wall at 4 m.
 void write_half_plane(const std::string& path, bool with_depth = true) {
-    OIIO::ImageSpec spec(48, 24, with_depth ? 4 : 3, OIIO::TypeDesc::FLOAT);
-    spec.channelnames = {"R", "G", "B"};
-    if (with_depth) spec.channelnames.emplace_back("Z");
-    std::vector<float> values;
-    for (int i = 0; i < 48 * 24; ++i) {
-        const bool near = i % 48 >= 24;
-        for (const float v : {near ? 0.8F : 0.1F, 0.5F, near ? 0.1F : 0.8F}) values.push_back(v);
-        if (with_depth) values.push_back(near ? 1 : 4);
-    }
-    const auto out = OIIO::ImageOutput::create(path);
-    ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::FLOAT, values.data()) &&
-                out->close())
-        << OIIO::geterror();
+    std::vector<std::string> channels{"R", "G", "B"};
+    if (with_depth) channels.emplace_back("Z");
+    write_flat_exr(path, channels, 48, 24, [&](int x, int) {
+        const bool near = x >= 24;
+        std::vector<float> out{near ? 0.8F : 0.1F, 0.5F, near ? 0.1F : 0.8F};
+        if (with_depth) out.push_back(near ? 1 : 4);
+        return out;
+    });
 }
 
 class ForeignCommand : public CommandTest {
@@ -209,13 +204,9 @@ TEST_F(ForeignCommand, ObjectsArePickedOutByName) {
 TEST_F(ForeignCommand, WhatIsBehindAPictureComesToLight) {
     // The half-plane's wall goes on behind it in the second picture.
     write_half_plane(in("front.exr"));
-    OIIO::ImageSpec spec(48, 24, 4, OIIO::TypeDesc::FLOAT);
-    spec.channelnames = {"R", "G", "B", "Z"};
-    std::vector<float> values;
-    for (int i = 0; i < 48 * 24; ++i) values.insert(values.end(), {0.1F, 0.9F, 0.8F, 4});
-    const auto out = OIIO::ImageOutput::create(in("behind.exr"));
-    ASSERT_TRUE(out && out->open(in("behind.exr"), spec) &&
-                out->write_image(OIIO::TypeDesc::FLOAT, values.data()) && out->close());
+    write_flat_exr(in("behind.exr"), {"R", "G", "B", "Z"}, 48, 24, [](int, int) {
+        return std::vector<float>{0.1F, 0.9F, 0.8F, 4};
+    });
     const std::vector<std::string> words{
         "focus", in("front.exr"),   "--f-number", "0.5", "--focus", "4", "--film-width",
         "36",    "--film-distance", "50"};

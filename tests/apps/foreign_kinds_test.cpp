@@ -1,6 +1,5 @@
 // Kinds of files of other programs that users reported as misread, on the command line, with their correct
 // values (tests/data/exr/README.md).
-#include <OpenImageIO/imageio.h>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +14,7 @@
 #include "pictures/foreign/foreign_picture.h"
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/support/command_test.h"
+#include "tests/support/flat_exr.h"
 
 namespace postlens::test::foreign_kinds_test {
 namespace {
@@ -29,25 +29,10 @@ std::string data(const std::string& name) {
 
 struct Plane {
     int width = 0, height = 0;
-    /// Values of the channels at a pixel.
-    std::function<std::vector<float>(int x, int y)> values;
+    PixelValues values;
     std::vector<std::string> channels;
 
-    void write(const std::string& path) const {
-        OIIO::ImageSpec spec(width, height, static_cast<int>(channels.size()), OIIO::TypeDesc::FLOAT);
-        spec.channelnames = channels;
-        std::vector<float> all;
-        for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                const std::vector<float> v = values(x, y);
-                all.insert(all.end(), v.begin(), v.end());
-            }
-        }
-        const auto out = OIIO::ImageOutput::create(path);
-        ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::FLOAT, all.data()) &&
-                    out->close())
-            << OIIO::geterror();
-    }
+    void write(const std::string& path) const { write_flat_exr(path, channels, width, height, values); }
 };
 
 class ForeignKinds : public CommandTest {

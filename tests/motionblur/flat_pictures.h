@@ -1,49 +1,22 @@
 // Flat images with motion vectors, and a fixture that reads them.
 #pragma once
 
-#include <OpenImageIO/imageio.h>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "motionblur/vectors/vector_frame.h"
 #include "tests/support/command_test.h"
+#include "tests/support/flat_exr.h"
 
 namespace postlens::test {
-
-/// A data window or display window, px.
-struct Window {
-    int x = 0, y = 0, width = 64, height = 48;
-};
 
 /// Writes a flat OpenEXR image; `values` returns the channels of a pixel by its position in the file.
 struct FlatPicture {
     std::vector<std::string> channels{"R", "G", "B", "Z", "forward.u", "forward.v"};
     Window data, display;
-    std::function<std::vector<float>(int x, int y)> values;
+    PixelValues values;
 
-    void write(const std::string& path) const {
-        OIIO::ImageSpec spec(data.width, data.height, static_cast<int>(channels.size()),
-                             OIIO::TypeDesc::FLOAT);
-        spec.x = data.x;
-        spec.y = data.y;
-        spec.full_x = display.x;
-        spec.full_y = display.y;
-        spec.full_width = display.width;
-        spec.full_height = display.height;
-        spec.channelnames = channels;
-        std::vector<float> all;
-        for (int y = data.y; y < data.y + data.height; ++y) {
-            for (int x = data.x; x < data.x + data.width; ++x) {
-                const std::vector<float> v = values(x, y);
-                all.insert(all.end(), v.begin(), v.end());
-            }
-        }
-        const auto out = OIIO::ImageOutput::create(path);
-        ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::FLOAT, all.data()) &&
-                    out->close())
-            << OIIO::geterror();
-    }
+    void write(const std::string& path) const { write_flat_exr(path, channels, data, display, values); }
 };
 
 /// The rectangle of the plate, px, and the red values of plate and ground.
