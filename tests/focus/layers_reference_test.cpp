@@ -40,7 +40,7 @@ RecordBand tangle(std::mt19937& random, int overscan_px, int width, int height) 
 TEST(Layers, EqualsTheReference) {
     std::mt19937 random(41);
     for (const double scale : {1e-6, 0.3, 3.0, 40.0}) {
-        const RecordBand band = tangle(random, 4, 75, 70);
+        const RecordBand band = tangle(random, 4, 51, 46);
         FocusGeometry geometry = unit_geometry;
         geometry.gain_px *= scale;
         geometry.inverse_focus_per_m = 0.3;
