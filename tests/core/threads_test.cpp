@@ -213,9 +213,10 @@ TEST(RunOverlapped, MakesAndEndsInOrderAndRunsAheadNoFurtherThanAllowed) {
     }
 }
 
+// Only the job of the process, which has no TBB arena of its own, ends inner loops when an outer loop fails.
 TEST(RunOverlapped, NothingGoesOnWithAPartOfALoop) {
-    const ThreadLimit limit(2);
-    for (int repeat = 0; repeat < 20; ++repeat) {
+    if (thread_count() < 2) GTEST_SKIP() << "needs two threads";
+    for (int repeat = 0; repeat < 5; ++repeat) {
         std::atomic<bool> in_loop{false}, went_on{false};
         EXPECT_THROW(run_overlapped(
                          3, 1,

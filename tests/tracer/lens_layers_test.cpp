@@ -179,6 +179,19 @@ TEST(LensLayers, TheVisibleLayerHasTheSameBits) {
     }
 }
 
+// Without mirrors and glass, LensReach finds depths without shading trees.
+TEST(LensLayers, AMirrorThatNoRayMeetsChangesNothing) {
+    SceneBuilder b = wide();
+    add_plate(b, 1, 60.3);
+    b.add(Sphere{{-0.3, 0.1, -2.5}, 0.3}, matte({0.6, 0.5, 0.4}));
+    b.add(Box{{-0.1, -0.3, -1.8}, {0.1, 0.1, -1.7}}, matte({0.2, 0.5, 0.4}));
+    add_wall(b, 4);
+    const std::vector<Record> plain = chosen(b.scene);
+    EXPECT_TRUE(std::any_of(plain.begin(), plain.end(), [](const Record& r) { return r.layer > 1; }));
+    b.add(square({0, 0, 10}, {0, 0, 1}, 1), mirror());
+    EXPECT_EQ(chosen(b.scene), plain);
+}
+
 TEST(LensLayers, SameBitsForAnyNumberOfThreads) {
     const SceneBuilder b = busy();
     std::vector<Record> first;
