@@ -14,7 +14,7 @@ namespace {
 using glm::dvec2;
 
 /// Below this `rim_scale`, cat's-eye vignetting is ignored. The vignetting rim, projected onto the lens, then
-/// has a radius above 20 lens radii.
+/// has a radius (1 / rim_scale) above 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
 /// random lens points are drawn.
@@ -80,8 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Upper bound of the outline's distance from the lens centre. Corners of a polygon lie up to 1.5 %
-        // outside the circle of equal area.
+        // Upper bound of the outline's distance from the lens centre. The polygon that replaces a circle has
+        // the same area, so its corners lie up to 1.5 % outside.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {

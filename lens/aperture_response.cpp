@@ -42,8 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Divides a line on the lens into parts. Despite spherical aberration, rays through one part land within
-/// 0.02 px of a straight line.
+/// Returns into how many parts to divide a line on the lens, so that each part's image on the film is
+/// straight within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -56,8 +56,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Merges cells of an aperture image until each is about half a pixel wide in the blur kernel. Original cells
-/// are `cell_px` wide.
+/// Merges cells of an image of the aperture until each is about half a pixel wide in the blur kernel.
+/// Original cells are `cell_px` wide.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -75,7 +75,7 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Deposits the light of an aperture given as an image. Returns the deposited energy.
+/// Adds the light of an aperture, given as an image, to a grid of pixels. Returns the added energy.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();

@@ -7,7 +7,7 @@
 namespace postlens {
 
 /// The image of one scene point on the film. Light through lens point q (in lens radii) lands at this
-/// distance from `centre_px`, in px:
+/// displacement from `centre_px`, in px:
 ///
 ///     map_px q + spherical_px q |q|^2
 ///
@@ -26,8 +26,8 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width, in px, of a blur kernel's outline. `with_area` widens narrower outlines, because an
-/// outline without area covers no pixels.
+/// Smallest half width, in px, of a blur kernel's outline. `with_area` widens narrower outlines, which would
+/// cover no pixels if their area were 0. See ApertureImage::map_px.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
@@ -53,8 +53,8 @@ inline constexpr double smallest_response_px = 1e-4;
 /// With spherical aberration, the result is exact, whereas largest_reach_px returns only an upper bound.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
-/// Computes the response of any aperture within a window. Each cell of the aperture spreads its light
-/// uniformly over its image, with an error below 0.02 px.
+/// Computes the response of any aperture within a window. Divides the aperture into cells, and spreads the
+/// light of each uniformly over its image, with an error below 0.02 px.
 ///
 /// Over the whole plane, values add up to 1, or to 0 if no light passes.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,

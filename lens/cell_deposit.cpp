@@ -64,8 +64,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A side of the polygon adds energy to all pixels to its right. Left of the grid, these are all
-        // pixels of a row.
+        // A polygon's energy is the signed sum of the energies to the right of its sides. So a side left of
+        // the grid adds to whole rows.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

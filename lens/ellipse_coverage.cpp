@@ -23,8 +23,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Increases only `minor`, a squared semi-axis. The ellipse's matrix is minor I + (major - minor) a
-        // a^T, with the direction a of the major axis.
+        // Widens the ellipse only along its minor axis. Its matrix, with squared semi-axes, is minor I +
+        // (major - minor) a a^T, with the direction a of the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -167,7 +167,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
 
     out.edge_share.clear();
     // Computes a pixel's covered area as a difference: the ellipse's area left of the pixel's right border,
-    // minus its area left of the pixel's left border. So the pixels of a row add up without rounding errors.
+    // minus its area left of the pixel's left border. Neighbours share a border, so a row adds up without
+    // rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

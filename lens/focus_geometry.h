@@ -44,7 +44,7 @@ struct FocusGeometry {
 /// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless:
 /// - The focal length F is positive and finite.
 /// - The f-number is positive (infinite for a pinhole).
-/// - The focus distance s exceeds F, or 0 for Framing::keep. It may be infinite.
+/// - The focus distance s exceeds F (for Framing::keep, 0). It may be infinite.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

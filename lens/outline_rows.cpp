@@ -14,8 +14,8 @@ struct Piece {
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns the fraction of the pixel [x, x + 1) to the right of a straight piece of outline, averaged over
-/// the height of the piece.
+/// Returns how much of the pixel [x, x + 1) lies to the right of a straight piece of the outline: the mean
+/// fraction over the piece's height.
 double right_of(const Piece& p, double x) {
     // The fraction of a pixel to the right of a vertical line at x = `at` is clamp(x + 1 - at, 0, 1).
     // `integral` is its antiderivative.
@@ -25,8 +25,8 @@ double right_of(const Piece& p, double x) {
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // For an almost vertical piece of the outline, the mean over its width would divide by nearly 0. Uses the
-    // value at its midpoint instead.
+    // An almost vertical piece has a width of nearly 0, by which the formula below would divide. Uses the
+    // value at the piece's midpoint instead.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }

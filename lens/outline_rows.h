@@ -7,10 +7,10 @@
 
 namespace postlens {
 
-/// Computes how much of each pixel a polygon covers, as fractions of the polygon's area. Row y covers heights
+/// Computes the area of each pixel that a polygon covers, divided by the polygon's area. Row y covers heights
 /// [y, y + 1).
 ///
-/// Completely covered pixels are not visited, so the time depends only on the length of the outline.
+/// Completely covered pixels share one value, so the time depends only on the length of the outline.
 class OutlineRows {
   public:
     /// `outline` is a polygon in px, clockwise or anticlockwise, with an area of at least 1e-12 px^2.
@@ -27,8 +27,8 @@ class OutlineRows {
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon. The area is the sum, over all sides, of `sign` times the area to the right of
-    /// the side.
+    /// A side of the polygon. The polygon's area is the sum, over all sides, of `sign` times the area between
+    /// the side and a common vertical line.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

@@ -119,7 +119,8 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Solves for x, the time since the curve's point `a`, until the light `missing` has passed:
+    // The transmittance (density) is linear between points `a` and `b`. Its integral from `a` on reaches the
+    // light `missing` after the time x:
     //
     //     a.density x + (b.density - a.density) x^2 / (2 width) = missing
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);

@@ -34,7 +34,7 @@ class ShutterCurve {
     /// passed. Uniform random u give times distributed by the transmittance.
     [[nodiscard]] double time(double u) const;
     /// Returns the fraction of the exposure's light that has passed the shutter by a time. It is the inverse
-    /// of `time`: 0 before opening, 1 after closing.
+    /// function of `time(u)`: 0 before opening, 1 after closing.
     [[nodiscard]] double light(double time) const;
     /// Returns the shutter's transmittance at a time, scaled such that its integral is 1.
     [[nodiscard]] double density(double time) const;

@@ -29,8 +29,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // Hyperfocal distance minus focal length. It is infinite for coc_limit_mm = 0. To avoid NaNs, the
-    // formulas for a finite focus distance only divide by it.
+    // Hyperfocal distance minus focal length. It is infinite for coc_limit_mm = 0. The formulas for a finite
+    // focus distance only divide by it, because infinity / infinity is NaN.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

@@ -15,8 +15,8 @@ namespace {
 
 /// exposure_warning reports an image if more than this fraction of its pixels is above white.
 constexpr double most_beyond_white = 0.2;
-/// exposure_warning reports an image if its brightest channel is above 0 but below this value. This is the
-/// smallest step of a linear 8-bit image, in which 1 is white.
+/// Smallest step of a linear 8-bit image, in which 1 is white. exposure_warning reports an image if its
+/// brightest channel is above 0 but below this value.
 constexpr float least_of_white = 1.0F / 255;
 
 float largest_channel(const float* rgb) {

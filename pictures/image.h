@@ -100,8 +100,8 @@ enum class PictureValues {
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first part of a file: its first three channels, or one as grey. Integers and sRGB values become
-/// scene-linear.
+/// Reads the first part of a file: its first three channels, or a single channel as grey. Integers and sRGB
+/// values become scene-linear.
 ///
 /// The image covers the display window, or the crop if write_image cropped the file. Pixels without values
 /// are black. Throws Error(invalid_input).

@@ -29,8 +29,8 @@ struct PicturePart {
 /// pixel (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
-/// Reads the JSON mark of a part of an image, or of a part of the samples of a render. Returns an empty text
-/// for any other OpenEXR file. Throws Error(invalid_input).
+/// Reads the JSON object that marks a file as a part of an image, or of the samples of a render. Returns an
+/// empty text for any other OpenEXR file. Throws Error(invalid_input).
 [[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
 
 /// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input), with the

@@ -48,8 +48,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
-    // Tries every division of the measurements into those behind and those in front of the focus. Keeps the
-    // line with the smallest error.
+    // Fits a line, diameter over inverse distance, for every division of the measurements into those behind
+    // and those in front of the focus. Keeps the best.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
         // Counts the diameters of circles of confusion in front of the focus as negative. Diameters are then
         // linear in the inverse distance x: c = K (q - x), with inverse focus distance q.

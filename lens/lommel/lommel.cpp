@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this defocus |u|, the series for v < |u| loses precision: its terms nearly cancel, and are divided
-/// by u^2.
+/// Below this defocus |u|, Lommel's series for optical radii v < |u| loses precision: its terms nearly
+/// cancel, and are divided by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {

@@ -21,11 +21,11 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // The energy flow through the border is the integral of L x / (2 pi r^2) over y, with the energy L within
-    // radius r. Substitutes y = x sinh t.
+    // The energy flow through the pixel border at x is the integral of L x / (2 pi r^2) over y, with the
+    // energy L within radius r. Substitutes y = x sinh t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
-    // fringes. If 64 panels do not suffice, the fringes need not be resolved.
+    // fringes. If 64 panels do not suffice, fringes are so narrow that they average out.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -41,13 +41,13 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
 }
 
 /// Fringes narrower than this width, in px, are averaged out. 70 % of the distance between quadrature nodes
-/// gives the smallest error.
+/// on a pixel border gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, with the energy L within r. Times x, it is the energy flow per
-/// px through a pixel border at x.
+/// Table of L / (2 pi r^2), with the energy L within radius r. If L flows outwards, this times x flows
+/// through each px of a pixel border at distance x from the centre.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -72,8 +72,8 @@ class FlowTable {
 };
 
 /// Computes the energy that flows through a pixel border parallel to the y axis. The energy L(r) within
-/// radius r is treated as flowing outwards through the circle of radius r. This is L(r) / (2 pi r) per px of
-/// the circle. So the net outflow of a pixel is its energy.
+/// radius r is treated as flowing outwards through the circle of radius r: L(r) / (2 pi r) per px of
+/// circumference. So the net outflow of a pixel is its energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -104,9 +104,9 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes how much energy flows through each pixel border. A pixel's energy is what flows out through its
-/// borders minus what flows in. If the kernel is centred on a pixel's corner or centre, its quadrants are
-/// equal, so only one is computed.
+/// Computes how much energy flows through each pixel border. By the divergence theorem, a pixel's energy is
+/// what flows out through its borders minus what flows in. If the kernel is centred on a pixel's corner or
+/// centre, its quadrants are equal, so only one is computed.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -147,8 +147,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The table of energy over radius must reach the corners of a square around the grid. Smoothing the
-    // diffraction fringes needs 4 smoothing_px more.
+    // The table of energy over radius must reach the corners of a square around the grid, because Borders
+    // computes square quadrants. Smoothing the diffraction fringes needs 4 smoothing_px more.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

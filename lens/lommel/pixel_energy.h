@@ -13,7 +13,7 @@ struct PixelEnergySettings {
 };
 
 /// Computes the energy in each pixel of `grid` from an impulse response whose centre is at (centre_x,
-/// centre_y) px. `profile`, its energy over the radius, must extend to `reach_px(grid, ..)`.
+/// centre_y) px. `profile`, the energy within each radius, must extend to `reach_px(grid, ..)`.
 ///
 /// By the divergence theorem, a pixel's energy is an integral along its borders. Neighbours share a border,
 /// so sums over pixels are exact.

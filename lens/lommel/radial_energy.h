@@ -34,7 +34,7 @@ class RadialEnergy {
     /// integrals gives the mean of `within` over an interval, in which narrow diffraction fringes average
     /// out.
     [[nodiscard]] double within_integral(double v) const;
-    /// Returns the intensity at optical radii v = i step(), relative to the peak in focus.
+    /// Returns the intensity at the optical radii i * step(), i = 0, 1, ..., relative to the peak in focus.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 

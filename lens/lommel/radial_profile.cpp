@@ -71,8 +71,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A thin ring has the energy I v dv / 2 and the area 2 pi r dr. With v = r v_per_px, energy per px^2 is I
-    // v_per_px^2 / (4 pi).
+    // A thin ring has the energy I v dv / 2 (of 1 in total) and the area 2 pi r dr. With v = r v_per_px,
+    // energy per px^2 is I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

@@ -27,10 +27,11 @@ class RadialProfile {
     /// Returns the energy within a radius, without the ripples of diffraction fringes finer than `width_px`,
     /// which are averaged out. For a smooth profile, the error is proportional to width_px^4.
     ///
-    /// The radius must be at least 3/2 width_px, and at least 3/2 width_px below end_px().
+    /// The radius must be at least 3/2 width_px from 0 and from end_px(), because the average extends so
+    /// far.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns the energy within a radius, like `smoothed_within`, for `count` radii. They begin at begin_px
-    /// and increase by width_px / row_steps. This is faster than single calls.
+    /// Returns the energy within a radius, averaged as by `smoothed_within`, for `count` radii. They begin at
+    /// begin_px and increase by width_px / row_steps. This is faster than single calls.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the energy per px^2 at a radius, from Lommel's formula for the diffraction intensity.

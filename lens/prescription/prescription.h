@@ -75,7 +75,8 @@ struct Prescription {
 /// Repairs neighbouring surfaces that overlap by more than 1 % of their clear radii: both clear radii shrink
 /// to where the surfaces meet. A note is added.
 ///
-/// Surfaces that meet closer to the axis than 1 % stay unchanged, and check_prescription rejects them.
+/// Surfaces that meet closer to the axis than 1 % of their clear radii stay unchanged, and
+/// check_prescription rejects them.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless:

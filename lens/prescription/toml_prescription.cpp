@@ -109,7 +109,8 @@ void read_lens(const TomlTable& table, Prescription& lens) {
 }  // namespace
 
 Prescription parse_lens_toml(const std::string& text, const std::string& file) {
-    // Counts the surfaces before parsing, because the parser would run out of memory on millions of them.
+    // Counts the [[surface]] tables before parsing, because the parser would run out of memory on millions of
+    // them.
     const auto lines = lines_of(text);
     std::size_t tables = 0;
     for (const TextLine& line : lines) {

@@ -94,7 +94,7 @@ void ZmxReader::glass(const Words& words) {
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
     // Index nd and Abbe number Vd in the line define a glass that is not in the catalogue. But 1.5 and 40 are
-    // usually placeholders of Zemax.
+    // usually placeholders of Zemax, which define no glass.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);

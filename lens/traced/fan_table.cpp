@@ -57,8 +57,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Beyond the table's depths, impulse responses are extrapolated linearly. The limit of 1000 table steps
-    // keeps them finite.
+    // Beyond the table's depths, impulse responses are extrapolated linearly, by at most 1000 table steps so
+    // that they stay finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;

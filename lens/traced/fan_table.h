@@ -15,16 +15,15 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths up to the given one or that of the focus, and angles up to `widest_tangent`.
-    /// Responses of nearer points are extrapolated.
+    /// Covers inverse depths up to the given one or, if larger, that of the focus, and angles up to
+    /// `widest_tangent`. Fans of nearer points are extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the radius of the blur kernels at an inverse depth, divided by the film
-    /// distance.
+    /// Returns an upper bound of the blur kernels' radius divided by the film distance, at an inverse depth.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Returns an upper bound of how fast the blur kernel changes over the image: px of a ray's displacement
     /// per px of image position.

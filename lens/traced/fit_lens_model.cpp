@@ -74,9 +74,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals for fitting a model of the pupil, the intersection of three circles, to the traced edge. The
-// traced edge lies halfway between neighbouring rays of which only one passes the lens. Lengths are in pupil
-// radii.
+// Adds residuals that fit the pupil's model, three intersecting circles, to its traced edge, at the scaled
+// field tangent T and defocus K. The edge lies halfway between neighbouring rays of which only one passes the
+// lens. Lengths are in pupil radii.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);

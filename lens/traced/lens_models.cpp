@@ -115,8 +115,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Returns the height, in mm, at which a paraxial ray through the pupil at 1 mm meets the film. It is 0 if
-    // the object point is in focus.
+    // Returns the height, in mm, at which a paraxial ray meets the film (0 in focus). The ray goes from an
+    // object point on the axis through the pupil at height 1 mm.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -127,8 +127,8 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // Inverse distance, in 1/m, at which paraxial rays are in focus. A focus distance in the settings takes
-    // precedence.
+    // Inverse distance, in 1/m, at which paraxial rays are in focus. A focus distance in the settings is used
+    // instead.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;
@@ -183,8 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // A ray that only the model or only the traced lens transmits is compared with the nearest ray in the
-    // pupil that both transmit.
+    // A ray that passes only one of model and traced lens is compared with the nearest ray, in the pupil,
+    // that passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -1,4 +1,4 @@
-// Models of one lens, from thin to traced, and the error of each model.
+// Models of one lens (thin, thick, polynomial), and the error of each against traced rays.
 #pragma once
 
 #include <array>
@@ -70,14 +70,14 @@ struct LensModelRange {
 };
 
 /// Returns `count` depths from a_m to b_m (may be infinite), in equal steps of inverse depth, and `count`
-/// field tangents from 0.
+/// field tangents, from 0 to the largest.
 /// - field_mm: distance from the film centre at which the chief ray of the largest tangent lands
 ///
 /// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
-/// All models of one lens. `lens` and `traced` must outlive this object.
+/// All models of one lens (LensModelKind). `lens` and `traced` must outlive this object.
 class LensModels {
   public:
     LensModels(const Prescription& lens, const TracedLens& traced);
@@ -96,7 +96,7 @@ class LensModels {
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
     /// Coefficients of the thick-lens model. For an object at depth z' (m), the ray through pupil point p
-    /// lands, relative to the chief ray, at
+    /// (mm) lands, relative to the chief ray, at
     ///
     ///     p * (thick_at_infinity() + thick_per_depth_m() / z')
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }

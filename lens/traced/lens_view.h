@@ -29,7 +29,7 @@ struct ViewRay {
 /// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
 /// shows them. Vignetting and blur remain.
 ///
-/// Framing::keep scales the film to the field of view of the pinhole image.
+/// Framing::keep scales the film so that it covers the field of view of the pinhole image.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of

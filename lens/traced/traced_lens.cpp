@@ -75,8 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // No ray passes the lens, which is an error. To name a surface at which light ends in the message,
-        // traces a ray at 0.7 of the pupil radius.
+        // No ray passes the lens. The error message names the surface at which a ray at 0.7 of the pupil
+        // radius ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -199,7 +199,7 @@ void TracedLens::set_focus(const Prescription& lens) {
         return;
     }
     // The distances of object and image from the focal points have the product n' efl^2 (index n'), so their
-    // sum is at least 2 sqrt(n') efl.
+    // sum, smallest if they are equal, is at least 2 sqrt(n') efl.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -305,7 +305,7 @@ void TracedLens::find_rear_boxes() {
     }
     if (rear_boxes_.front().empty()) return;
     // E0 is the irradiance at the film centre for a scene of radiance 1. Its error is about 1 / nodes^1.5,
-    // because the pupil's edge cuts grid cells.
+    // because the pupil's edge cuts cells of the ray grid.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;

@@ -97,8 +97,8 @@ class TracedLens {
     /// it is about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
-    /// Traces the impulse response of a point in the direction `field` = (x/z', y/z') at depth_m > 0 (may be
-    /// infinite). Returns false if no ray passes.
+    /// Traces the impulse response of a point at the depth z' = depth_m > 0 (may be infinite) in the
+    /// direction `field` = (x/z', y/z'). Returns false if no ray passes.
     ///
     /// A grid of `nodes`^2 rays (2 to 4096 per side) covers all passing rays in the pupil plane.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
@@ -106,8 +106,8 @@ class TracedLens {
     /// Returns the ray from an object point through a point of the entrance pupil's plane, before it enters
     /// the lens.
     [[nodiscard]] LensRay object_ray(double depth_m, glm::dvec2 field, glm::dvec2 pupil_mm) const noexcept;
-    /// Finds the point of the entrance pupil's plane whose ray passes through the stop's centre [welford1986,
-    /// 5]. The result is empty if there is none.
+    /// Finds where a ray from an object point must cross the entrance pupil's plane to pass through the
+    /// stop's centre [welford1986, 5]. Empty if no such ray exists.
     [[nodiscard]] std::optional<glm::dvec2> aim_at_stop(double depth_m, glm::dvec2 field) const noexcept;
     [[nodiscard]] glm::dvec2 on_film(const LensRay& ray) const noexcept {
         return ray.at_z(film_from_vertex_mm_);

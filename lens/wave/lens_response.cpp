@@ -85,8 +85,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // Computing the diffraction pattern at one radius v, in optical units, takes time proportional to v. The
-    // limit on the number of radii keeps the total time below a few seconds.
+    // Computing the diffraction pattern at one radius takes time proportional to this radius. So the number
+    // of radii is limited, to keep the total time below a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -146,7 +146,8 @@ void make_disc(LensResponse& out, int size_px) {
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
-/// Computes the response of any aperture. It is not round, so there is no radial profile.
+/// Computes the response, without diffraction, of an aperture that need not be round. So there is no radial
+/// profile.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
@@ -200,7 +201,7 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
 }
 
 /// Returns the default width, an odd number of px, of the pixel grid for an impulse response. The grid
-/// contains all geometric light, which ends at `farthest_px`, and about 99 % of diffracted light.
+/// contains all light of geometric optics, which ends at `farthest_px`, and about 99 % of diffracted light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {

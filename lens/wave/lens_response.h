@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// Aperture for computing impulse responses without diffraction. If absent, it is made from `impulse`,
-    /// except for an aperture image, which must be given here.
+    /// Aperture for computing impulse responses without diffraction. If absent, it is made from `impulse`. An
+    /// aperture that is an image must be given here.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -44,11 +44,11 @@ struct LensResponse {
     /// Full width at half maximum: twice the largest radius at which the intensity is half its maximum.
     /// Absent if it exceeds the grid.
     std::optional<double> fwhm_px;
-    /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it never measures a single
-    /// bright fringe. Absent if it exceeds the grid.
+    /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it does not depend on
+    /// single bright fringes. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Radial profile from the response's centre to half the grid's width. It has 512 to 8192 uniform
-    /// samples, if possible four per unit of v (the optical radius).
+    /// Radial profile from the response's centre to half the grid's width. If possible, it has four uniform
+    /// samples per unit of v (the optical radius), but always 512 to 8192 samples.
     std::vector<RadialSample> profile;
 };
 

@@ -28,8 +28,8 @@ void check_defocus(double u);
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda `gain_px`), with
-/// aperture radius a, and u = v_per_px `coc_diameter_px` / 2.
+/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda gain_px) and u =
+/// v_per_px coc_diameter_px / 2. Aperture radius a, gain_px and coc_diameter_px are members of FocusGeometry.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 

@@ -18,7 +18,7 @@ constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
-/// Chunks differ in size, so a vector of exactly this size would often be filled with zeros.
+/// Never shrinks the buffer: growing it again for a larger chunk would fill it with zeros.
 void resize_at_least(Bytes& bytes, std::size_t size) {
     if (bytes.size() < size) bytes.resize(size);
 }
@@ -178,8 +178,8 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         resize_at_least(packed, raw.size());
-        // The limit of one byte less makes libdeflate fail if the data do not become smaller. The chunk is
-        // then stored uncompressed.
+        // The limit raw.size() - 1 makes libdeflate fail if the data do not become smaller. The chunk is then
+        // stored uncompressed.
         size = libdeflate_zlib_compress(compressor_.get(), predicted.data(), predicted.size(), packed.data(),
                                         raw.size() - 1);
     }

@@ -76,7 +76,8 @@ bool preview_fills(ByteView value) {
 }
 
 /// Returns an upper bound, in bytes, of the memory that the OpenEXR library allocates for one chunk: 4 bytes
-/// per channel and pixel. A tile size counts only with `tiled`, because scanline parts may also state one.
+/// per channel and pixel. A tile size is ignored unless `tiled` is true, because scanline parts may also
+/// state one.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");

@@ -45,7 +45,8 @@ struct ChannelGroup {
 };
 
 /// Returns the view and layer of the channels in a file part whose names begin with `prefix`. For example,
-/// `prefix` is "left.diffuse." for the channel left.diffuse.R. It is empty for channels without a layer.
+/// `prefix` is "left.diffuse." for the channel left.diffuse.R. An empty prefix means channels without a
+/// layer.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 
@@ -67,7 +68,7 @@ struct GroupMatch {
 /// Returns true if a name belongs to a component of a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// Returns true if a word is one of the words of a pass.
+/// Returns true if `word` is one of `words`, the words that name a pass such as depth.
 [[nodiscard]] bool has_word(PassWords words, std::string_view word);
 
 /// Returns the channel as a candidate for the depth, or empty if its name is not that of a depth.

@@ -36,8 +36,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Tells whether an OpenEXR part may contain the Cryptomattes of the part `own`. If a separate file for ids
-/// exists, only its parts may.
+/// Returns true if an OpenEXR part may contain the Cryptomattes of the picture in the part `own`. If a
+/// separate file for ids exists, only that file's parts may.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -142,7 +142,7 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
 }
 
 /// Reads a manifest whose names contain quotation marks and backslashes that are not escaped. A name ends
-/// where an id follows. Returns empty if the text is not such a manifest.
+/// where an id follows (end_of_name). Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();

@@ -82,8 +82,8 @@ class Mender {
         }
     }
 
-    /// Depth edges found along rows or columns. A jump lies between two adjacent pixels; a ramp extends over
-    /// several pixels with mixed depths.
+    /// Depth edges found along rows or columns: jumps between two adjacent pixels, and ramps over several
+    /// pixels, whose depths mix those of two surfaces.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -108,15 +108,15 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if the depths a and b of neighbouring pixels beside a depth edge are nearly equal. They may
-    /// differ by a small fraction of `step`, the difference in depth across the edge. The test a == b covers
-    /// two infinite depths.
+    /// True if the depths a and b of neighbouring pixels are nearly equal, as on one side of a depth edge.
+    /// They may differ by a small fraction of `step`, the difference in depth across the edge. The test a ==
+    /// b covers two infinite depths.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if depths change so little that such changes over a whole ramp make no edge: (1 + 1 /
-    /// 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if two depths differ so little that a ramp of such differences stays below least_step, the
+    /// smallest edge: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -127,8 +127,8 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // Skips pixels without a depth edge nearby: depths change little over the length of the longest
-            // ramp.
+            // Skips pixels without a depth edge nearby: depths change little over the next longest_ramp + 1
+            // pixels.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -144,9 +144,9 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // Between the pixels `begin` and `end`, a filter mixed the depths of two surfaces. These two
-                // pixels may be slightly mixed, too. So the depth of each surface is extrapolated from the
-                // pixels beyond them.
+                // Between the pixels `begin` and `end`, a filter mixed the depths of two surfaces. `begin`
+                // and `end` themselves may be slightly mixed, too. So the depth of each surface is
+                // extrapolated from the pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -170,8 +170,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A ramp (run of pixels with mixed depths) changes clearly at both ends. A flat end belongs to the
-        // surface beside it.
+        // Rejects a ramp (run of pixels with mixed depths) unless it changes clearly at both ends. A flat end
+        // belongs to the surface beside it.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -193,8 +193,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // Prefers the search, along row or column, that found the larger depth difference: along an edge, a
-        // row may contain only mixed depths.
+        // Of the depths found along the row and along the column, keeps those with the larger difference: a
+        // row along an edge may contain only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -37,7 +37,7 @@ glm::dmat4 transposed(const Matrix44& m) {
 }
 
 /// Returns the matrix that projects column vectors from camera space to NDC. glm stores elements as
-/// projection[column][row]. Returns empty if the matrices cannot be used.
+/// projection[column][row]. Returns empty if the matrices are degenerate.
 std::optional<glm::dmat4> projection_of(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
     const glm::dmat4 camera = transposed(world_to_camera);
     if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;

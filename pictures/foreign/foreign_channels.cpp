@@ -22,7 +22,7 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
 }
 
 /// Lists the channels whose names fit a pass, such as depth or ids. `add(part, name, out)` appends a channel
-/// to `out` if its name fits.
+/// (index of its part, name) to `out` if it fits.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A lower-case channel "a" is the alpha channel only if red is also in lower case, "r".
+        // The channel "a" is taken as alpha only if the red channel is "r", not "R".
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -217,8 +217,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // Any part of the file may contain a Cryptomatte. To compare it with the layer of the colours,
-            // each Cryptomatte is treated as if it were in the part with the colours.
+            // A Cryptomatte may be in any part of the file. Treats it as if it were in the part with the
+            // colours, so that only its layer is compared with theirs.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

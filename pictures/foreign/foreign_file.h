@@ -38,8 +38,8 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Returns the value of an unsigned integer, given as a float with the same bits. ForeignFile stores the
-/// values of integer channels in this form.
+/// Returns the value, as a float, of the unsigned integer that has the same bits as `bits`. ForeignFile
+/// stores integers as such bits.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
@@ -54,8 +54,8 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// One array of values per channel. All samples of a pixel are adjacent. Integers are stored as their
-    /// bits.
+    /// One array of values per channel. All samples of a pixel are adjacent. Integers are stored as floats
+    /// with the same bits.
     std::vector<std::span<const float>> values;
 };
 

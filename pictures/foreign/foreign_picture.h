@@ -35,14 +35,15 @@ inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of the samples behind the last opaque sample, or of all samples if none is
 /// opaque.
-/// - is_nothing_behind: the scene behind is empty; behind an opaque last sample, the result is then 1
+/// - is_nothing_behind: the scene behind is empty; if the last sample is opaque, the result is then 1
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack, bool is_nothing_behind);
 
 /// Converts a value of an id channel to an id: the bits of `value`, as an integer if `whole` is true, or else
 /// as a float. The floats 0, -0 and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces. Its Cryptomatte says so, or its depth is a mean of two depths.
+/// A pixel that shows several surfaces, according to its Cryptomatte or because its depth is a mean of two
+/// depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -73,7 +74,8 @@ struct ForeignPicture {
     /// each surface covers, the largest first.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    /// 1 for each stored pixel that shows empty space behind its samples, else 0. Empty if no pixel does.
+    /// 1 for each stored pixel that shows empty space behind its samples, else 0. The vector is empty if no
+    /// pixel does.
     std::vector<std::uint8_t> ends_in_nothing;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Reads channels of a flat part, and shifts them to the pixels of another part, `onto`. The upper left
-/// corners of both display windows are matched. Calls `take` for each row of pixels that both parts store:
+/// Reads channels of a flat part into the pixel grid of another part, `onto`, such that the upper left
+/// corners of both display windows coincide. Calls `take` for each row of pixels that both parts store:
 /// `pixel`: index of the row's first pixel in `onto`
 /// `count`: number of pixels
 /// `from`, `values`: the values of channel c begin at values[c][from]
@@ -23,8 +23,8 @@ using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::si
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel of `part`, row by row, for all pixels of another part, `onto`. With
-/// `converts`, integers are converted to floats. Throws Error(out_of_memory).
+/// Returns the values of a channel of `part`, row by row, for all pixels that another part, `onto`, stores.
+/// With `converts`, integers are converted to floats. Throws Error(out_of_memory).
 ///
 /// Pixels that `part` does not store get the value `otherwise`. But pixels beyond the border of the display
 /// window get the nearest value that `part` stores.

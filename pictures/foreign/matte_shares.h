@@ -17,8 +17,8 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto` is the part of the file that contains the colours. For each of its pixels, the fractions that
-    /// objects cover are computed from the Cryptomatte.
+    /// Prepares reading the Cryptomatte for the pixels of `onto`, the part of the file that contains the
+    /// colours.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
     /// Returns the Cryptomatte channels in `part` that are read together with the colours; none if the first

@@ -29,8 +29,8 @@ namespace {
 /// intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// A volume that begins at the camera has a first slice that ends at this fraction of its far depth. It holds
-/// at most a hundredth of the volume's optical depth.
+/// The first slice of a volume that begins at the camera ends at this fraction of the volume's far depth. So
+/// it holds at most a hundredth of the optical depth.
 constexpr double first_slice = 1e-2;
 
 /// Converts the values of the file to one stack of samples per pixel.
@@ -47,8 +47,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The pixel grid must contain the display window and the stored pixels. It would be too large if they
-        // were far apart.
+        // The pixel grid must contain the display window and the stored pixels. If they are far apart, the
+        // grid would be too large, which is an error.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -244,8 +244,8 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A front depth of 0 means that the camera is inside the volume. 0 has no sign, so the
-                    // absolute value of `back` is used.
+                    // A front depth of 0 (camera inside the volume) does not tell whether the file's depths
+                    // are negative. So the absolute value of `back` is used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -265,8 +265,8 @@ class Reader {
         });
     }
 
-    /// Adds a deep sample. A volume of constant density is divided into slices of equal length and
-    /// transmittance.
+    /// Adds a deep sample. A volume of constant density is divided into slices whose depths form a geometric
+    /// sequence.
     void add_volume(const DeepSample& from) {
         const double z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(from.z), from.r, from.g, from.b, from.alpha, from.id};

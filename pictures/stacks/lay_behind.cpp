@@ -42,8 +42,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, in 1/m, behind which the back image shows. It is infinite (depth 0) if the
-/// stack transmits light.
+/// Returns the inverse depth, in 1/m, behind which samples of the back image are added: that of the last
+/// sample of an opaque stack, otherwise infinity.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -71,13 +71,13 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the combined image. The back image extends the front image only if
-/// `front` is inside the raster.
+/// Returns the first row (or column) of the image combined from front and back. A front image that reaches
+/// the raster's border is not extended.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the combined image. The back image extends the front image
-/// only if `front` is inside the raster.
+/// Returns the end (last row or column + 1) of the image combined from front and back. A front image that
+/// reaches the raster's border is not extended.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }

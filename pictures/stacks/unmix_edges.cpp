@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Search radii, in px, for pixels that show one surface. Filtered depths need the larger one, because a
-/// filter also mixes neighbouring pixels.
+/// Search radii, in px, for nearby pixels of a single surface, which give its colour. Filtered depths need
+/// the larger radius, because a filter also mixes neighbouring pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
@@ -152,8 +152,8 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of a pixel's surfaces so that their mean, weighted by coverage, is `whole`, the
-    /// pixel's colour.
+    /// Adjusts the colours of a pixel's surfaces, preferably unknown ones, so that their mean, weighted by
+    /// coverage, is `whole`, the pixel's colour.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -256,8 +256,8 @@ std::size_t unmix_edges(ForeignPicture& picture) {
     if (samples.capacity() < to) require_memory(to * sizeof(StackSample), "edges taken apart");
     samples.reserve(to);
     samples.resize(to);
-    // Replaces the sample of each pixel that shows several surfaces by one sample per surface. Goes
-    // backwards, so that no sample is overwritten before it is moved.
+    // Replaces the sample of each pixel that shows several surfaces by one sample per surface. Goes from last
+    // to first pixel, so that no sample is overwritten before it is moved.
     const auto at = [&](std::size_t i) { return samples.begin() + static_cast<std::ptrdiff_t>(i); };
     for (std::size_t i = stacks.size(), last = pixels; i-- > 0;) {
         if (stacks[i].empty()) continue;
