@@ -203,8 +203,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene from which the sample file was traced. If a scene is given, rays replace the colours that
-    /// the sample file does not determine.
+    /// The scene from which the sample file was traced. If a scene is given, rays compute colours that the
+    /// samples lack, for example those of hidden surfaces.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs

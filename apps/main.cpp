@@ -84,8 +84,8 @@ int main(int argc, char** argv) {
     // may arrive after main() has returned.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // By default, these signals end the program without a message. If they are ignored, the write fails
-    // instead, and an error message is printed.
+    // A failed write can send these signals, which end the program without a message. If they are ignored,
+    // the write returns an error, which is printed.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

@@ -15,7 +15,7 @@ namespace postlens {
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses the arguments after the name of the program, and runs the command (run_timed). Waits while another
-/// call uses the open file `in_process.kept`.
+/// call uses the same open sample file, `in_process.kept`.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON text that `--json` prints: the result, the peak memory of the process, and the warnings.

@@ -1,5 +1,5 @@
 // Divides the work of a command between several machines, each of which computes one share. `merge`
-// recognises the file of a share by its description (mark).
+// recognises a share's file by its mark (JSON that describes share and command).
 #pragma once
 
 #include <cstdint>
@@ -49,15 +49,16 @@ struct AskedFor {
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the hash of a scene that was already read, so that AskedFor::fingerprint need not read the scene
-/// again.
+/// Stores the hash of a scene that was already read. AskedFor::fingerprint, which identifies the command,
+/// then need not read the scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
 /// Returns the mark by which `merge` recognises the result file of a share. It is JSON: the share, the crop
 /// of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Parses the mark (JSON text) in one machine's result file. Returns nothing if the text is invalid.
+/// Parses the mark in one machine's result file: JSON that describes its share. Returns nothing if the text
+/// is invalid.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
 /// Returns the mark of one machine's share of the images of a sweep or the points of a chart. A mark is JSON
@@ -71,8 +72,8 @@ void remember_digest(const std::string& path, const Scene& scene);
 [[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
 /// If several machines divide an image, limits `crop` to the rows that this machine makes. Also sets
-/// `work->mark`, the JSON by which `merge` later recognises the result. Does nothing if `work` is empty, i.e.
-/// if the work is not divided.
+/// `work->mark`, the JSON by which `merge` later recognises this machine's file. Does nothing if `work` is
+/// empty, i.e. if the work is not divided.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
 /// Returns the first setting in which two fingerprints differ, with its name and both values. The text is

@@ -72,8 +72,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line of text per limit that is not met. With any limit, NaNs or infinities add a line, unless
-/// the reference has them at the same pixels.
+/// Returns one line of text per limit that is not met. If any limit is set, NaNs or infinities also add a
+/// line, unless the reference has them at the same pixels.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

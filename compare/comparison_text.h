@@ -10,7 +10,7 @@
 namespace postlens {
 
 /// Returns a table of errors with a heading, first over the whole frame. With a pinhole image, further rows
-/// contain errors over the affected pixels.
+/// contain errors over the pixels where the reference differs from it.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
 /// Returns sentences to print below the table of errors. They state the noise of the reference and the

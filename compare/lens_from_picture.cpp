@@ -12,29 +12,29 @@
 namespace postlens {
 namespace {
 
-/// In the robust fit, differences of logarithmic brightness above the limit count linearly. The last limit is
-/// the noise at 256 samples per pixel.
+/// In the robust fit, differences of logarithmic brightness above the limit count linearly. The second fit
+/// uses the last limit, the noise at 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
 /// Step of the inverse focus distance for numerical derivatives, as a fraction of the scene's range of
 /// inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the blocks for the standard errors. Residuals of different blocks are assumed to be
-/// independent.
+/// Side, in px, of the blocks for the fit's standard errors. Errors of the fitted image are assumed to be
+/// independent between blocks.
 constexpr std::size_t block_px = 16;
 /// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
 /// shows no blur.
 constexpr double least_spread = 1e-3;
 /// Largest accepted error of a fitted image, as a fraction of the image's contrast. Usual errors are 0.1, or
-/// almost 1 for another viewpoint.
+/// almost 1 if the given image has another viewpoint.
 constexpr double most_left = 0.5;
-/// A fitted lens is rejected unless it reduces the error of the sharp pinhole image to this fraction or less.
-/// Otherwise, the given image shows no lens blur.
+/// If the best lens leaves more than this fraction of the sharp pinhole image's error, the given image is
+/// rejected, because it shows no lens blur.
 constexpr double least_gain = 0.8;
 /// Minimum range of inverse depths, as a fraction of the largest. With a smaller range, all objects have
 /// practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of a fitted lens. It applies to the logarithm of the aperture, and to the
-/// inverse focus distance as a fraction of the scene's range of inverse depths.
+/// Largest accepted standard error of the aperture's logarithm, and of the inverse focus distance as a
+/// fraction of the scene's range of inverse depths.
 constexpr double most_error = 0.2;
 /// Further minima are reported if their error is below this factor times the best error.
 constexpr double nearly_as_good = 1.25;
@@ -199,15 +199,16 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if two lenses belong to the same minimum. The coarse search can split a minimum.
+/// Returns true if two lenses belong to the same minimum of the image error. The coarse search can split a
+/// minimum.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Returns at most `most` of the lenses `matches`, as starting points for the fit. Omits lenses similar to a
-/// better one. Then computes each lens's image accurately, sorts by the image's error, and omits lenses with
-/// more than 1.5 times the smallest error.
+/// Selects at most `most` of `matches` as starting points for the fit. Omits lenses similar to a better one.
+/// Then computes each lens's image accurately, sorts by its error, and omits lenses with more than 1.5 times
+/// the smallest error.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -279,8 +280,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // The lenses were fitted to different pixels, so each error is divided by `spread`, the contrast of the
-    // fitted pixels.
+    // Each lens was fitted to different pixels. So its error is compared relative to `spread`, the contrast
+    // of these pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -28,9 +28,9 @@ struct FocusSettings {
     std::optional<int> depths = {};
     /// PSNR that the method "auto" tries to reach, in dB, from 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
-    /// The scene from which the frame was traced (`--scene`), for the methods "hybrid" and "auto". Rays into
-    /// the scene replace samples whose colour cannot be found from the records. They also measure the error
-    /// of the picture.
+    /// The scene from which the frame was traced (`--scene`), for the methods "hybrid" and "auto". Rays
+    /// traced in the scene compute colours that the frame's samples do not contain. The rays also measure the
+    /// error of the picture.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
@@ -44,8 +44,8 @@ struct FocusSettings {
 
 /// What `focus` and `shoot` have made.
 struct FocusResult {
-    /// The picture, or the part of it that `crop` selects. It is empty if `options` contain `--output`,
-    /// because the picture is then written to that file.
+    /// The picture, or the part of it that `crop` selects. It is empty if `FocusSettings::options` contains
+    /// `--output`, because the picture is then written to that file.
     Picture picture = {};
     std::string method = {};      ///< Method that was used.
     double focal_length_mm = 0;   ///< Focal length that was used, mm.

@@ -63,8 +63,8 @@ struct Records {
     /// from a lens point q (m) by -W q times film distance / pixel pitch. W is the identity / depth for a
     /// directly seen surface [Igehy 1999].
     std::vector<float> w = {};
-    /// Error, in 1/m^2, of the linear motion that `w` describes; 0 if not measured. It is infinite if other
-    /// lens points see the surface by another path.
+    /// Error, in 1/m^2, of the linear motion that the matrix W describes; 0 if not measured. It is infinite
+    /// if other lens points see the surface by another light path.
     std::vector<float> w_bend = {};
 };
 

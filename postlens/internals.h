@@ -59,7 +59,8 @@ auto guarded(Job* job, const Work& work) -> decltype(work()) {
 class Words {
   public:
     Words(std::initializer_list<std::string> command) : words_(command) {}
-    /// Adds the path of a frame as an argument, and `--salvage` if the frame was opened with it.
+    /// Adds the path of an open file as an argument. Also adds `--salvage` if the file was opened with that
+    /// option.
     void add(const Frame& frame);
     /// Adds a file name as an argument without an option. Throws if the path is empty. The error message then
     /// calls the file `what`, for example "reference".

@@ -19,7 +19,7 @@ struct LensSettings {
     std::optional<double> f_number = {};
     /// Distance from the lens to the plane in focus along the optical axis, in m, more than 0 (`--focus`). It
     /// may be infinite. It must be more than the focal length if `framing` is "lens" or `breathing` is set,
-    /// and in functions that need no frame, such as `circle_of_confusion`.
+    /// and in functions without a `Frame`, such as `circle_of_confusion`.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.
@@ -83,7 +83,7 @@ struct DepthOfField {
 /// Returns the range of depths whose circle of confusion is at most `coc_limit_mm`. Throws
 /// Error(wrong_arguments) if a value is out of range.
 /// @param lens As for `circle_of_confusion`.
-/// @param film The film, with the largest circle of confusion that counts as sharp.
+/// @param film The film, and `coc_limit_mm`, the largest circle of confusion that counts as sharp.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The depth of field.
 [[nodiscard]] DepthOfField depth_of_field(const LensSettings& lens, const FilmSettings& film = {},

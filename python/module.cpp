@@ -19,8 +19,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command: its report `json`, and the images that it did not write. Warnings have a code, a
-/// text and the fraction of affected pixels.
+/// The result of a command: its report `json`, and the images that it returns instead of writing them.
+/// Warnings have a code, a text and the fraction of affected pixels.
 struct Outcome {
     std::string json;
     py::object text;

@@ -28,8 +28,8 @@ ROWS = [  # file, f-number, focus distance in m, whether the shutter is open fro
     ("motion.toml", "1.4", "4", True),
 ]
 SPD_ROWS = [("balls.nff", "1.4", "2", False), ("mount.nff", "1.4", "2", False)]
-# The SPD scenes have a film distance of 43.3 mm. So f/0.3 covers a lens of 43.3 mm / 0.3 = 144 mm, enough for 200 mm
-# f/1.4 (143 mm).
+# The SPD scenes (Standard Procedural Databases) have a film distance of 43.3 mm. So f/0.3 means a lens of 43.3 mm / 0.3
+# = 144 mm, enough for 200 mm f/1.4 (143 mm).
 SPD_SIZE, SPD_FOCAL_LENGTH_MM, SPD_FOR_F_NUMBER = "240x240", "200", "0.3"
 
 

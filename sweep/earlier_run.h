@@ -21,13 +21,13 @@ namespace postlens {
 /// Computes a key for each image from its settings and input files. Images with the same key are equal.
 class SweepKeys {
   public:
-    /// `exposure_stops` applies to all images. `at` lists the raster positions, in px, at which the circle of
-    /// confusion is reported.
+    /// `exposure_stops` applies to all images of the sweep. `at` lists the raster positions, in px, at which
+    /// the circle of confusion is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Compares the key (hash of the settings) of an earlier image with `s`. An earlier image with a
-    /// predicted error also fits.
+    /// Returns true if `earlier`, the key (hash) of an earlier image, matches the settings `s`. The earlier
+    /// image may also have a predicted error.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }
@@ -39,8 +39,8 @@ class SweepKeys {
     bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Reads the table rows of earlier images, keyed by file name, from `json` and the tables of single machines.
-/// Empty unless `settings.resume` is set.
+/// Reads the table rows of earlier images, keyed by file name, from `json` and the tables of machines that
+/// shared the sweep. Empty unless `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

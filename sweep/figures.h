@@ -26,8 +26,8 @@ struct FrameDepths {
 [[nodiscard]] double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                                     double limit_px);
 
-/// Measures an image's detail: the sum of squared differences of luminance (Rec.709, clamped to 0..1) to the
-/// right and below. It is the same for any number of threads.
+/// Measures an image's detail: the sum of squared differences of luminance (Rec.709, clamped to 0..1) between
+/// each pixel and its right and lower neighbours. It is the same for any number of threads.
 [[nodiscard]] double gradient_energy(const Image& image);
 
 }  // namespace postlens

@@ -18,8 +18,8 @@
 
 namespace postlens {
 
-/// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`. For
-/// images with motion blur (a shutter), they are those of the command `shoot`.
+/// Settings that all images of a sweep share. Their names and defaults are those of the command `focus`, or
+/// of `shoot` for images with motion blur.
 struct PictureSettings {
     /// Method that makes all images. If absent, it is lightfield for images with a shutter (motion blur), and
     /// otherwise the method that usual_method chooses for the file. With a shutter, only lightfield, hybrid
@@ -34,7 +34,7 @@ struct PictureSettings {
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
     /// PSNR, in dB, that the method `automatic` must reach. If target, scene and shutter are all absent,
-    /// `automatic` uses the file's default method.
+    /// `automatic` uses the method that usual_method chooses for the file.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
@@ -42,14 +42,14 @@ struct PictureSettings {
 /// Default number of views for an image with a shutter.
 inline constexpr int default_shutter_views = 128;
 
-/// Throws Error(wrong_arguments) if the method does not use a given number of depths or views. `method` must
-/// not be `automatic`.
+/// Throws Error(wrong_arguments) if `depths` or `views` is given but not used by `method`. `method` must not
+/// be `automatic`.
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
 /// Throws Error(wrong_arguments) if the method does not use a given --depth-spacing or --depth-model (depth
 /// through mirrors and glass).
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments), naming the option `name`, if `method` traces no rays. Only for images
-/// without a shutter.
+/// Throws Error(wrong_arguments), naming the option `name`, if `method` traces no rays. Call it only for
+/// images without a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {

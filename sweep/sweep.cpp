@@ -267,15 +267,16 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with the samples. Methods that make light fields do not keep samples in memory, so the
-    /// file is read again.
+    /// Calls `use` with the samples. Methods that make light fields do not keep samples in memory. For them,
+    /// the samples are read again.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
         return use(once);
     }
 
-    /// Returns the gradient energy (amount of detail) of the pinhole image, zoomed like `made`.
+    /// Returns the gradient energy (amount of detail) of the pinhole image with the same field of view as
+    /// `made`.
     double pinhole_energy_for(const MadePicture& made) {
         const double zoom = made.geometry ? made.geometry->zoom : 1;
         const auto [known, is_new] = pinhole_energies_.try_emplace(zoom);
@@ -283,7 +284,8 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // With Framing::lens and the focus at infinity, the film distance is the focal length.
+                // With Framing::lens and the focus at infinity, the film distance is the focal length, which
+                // here sets the zoom.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -312,7 +314,8 @@ class Sweep {
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The position error is proportional to `lens`, so the warning is computed only once per value.
+        // The errors that the warning reports are proportional to `lens`. So the warning is computed only
+        // once per value of `lens`.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

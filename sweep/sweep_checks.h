@@ -1,5 +1,5 @@
-// Checks the settings of a sweep before the first image is made. All functions throw Error(wrong_arguments)
-// with the option's name.
+// Checks the settings of a sweep before the first image is made. If a setting is wrong, all functions throw
+// Error(wrong_arguments) with the option's name.
 #pragma once
 
 #include <filesystem>

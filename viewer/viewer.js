@@ -46,8 +46,8 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time, in ms, of the first input while the coarse image is made; 0 if none. Such an input leads to another
-// request.
+// Time, in ms, of the first input while the coarse image is made; 0 if none. If it is set, new images are requested
+// afterwards.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
@@ -126,7 +126,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // Copying and saving use the options of the final image, even while a coarse preview is shown.
+      // While a coarse preview is shown, copying and saving already use the options of the final image.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();

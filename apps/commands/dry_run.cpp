@@ -161,7 +161,7 @@ class Measured {
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // The number is even, because --halves divides the samples into two equal halves.
+        // `amount` is even, because --halves divides the samples into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -194,8 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Both frames ran with the same few samples or views. The ratio of their times scales the middle
-            // frame's full time.
+            // Estimates the full time of frame i: that of the middle frame, times the ratio of two short runs
+            // with equally many samples or views.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -260,8 +260,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A machine computes 1/shares of the image's rows, so its run to predict the time can use `shares`
-        // times as many samples in the same time.
+        // A machine computes 1/shares of the image's rows. So in the same time, its short run can use
+        // `shares` times as many samples.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

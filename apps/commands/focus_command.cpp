@@ -79,8 +79,8 @@ CommandResult run_focus(const FocusOptions& options) {
     // file, and not an image of another program (`is_foreign`).
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // --metres-per-unit and --lumens-per-watt are checked only if the input is a sample file. For files of
-    // other formats, open_frame throws a clearer error.
+    // --metres-per-unit and --lumens-per-watt are checked only for sample files. For a file of another
+    // format, the error that open_frame throws is clearer.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -151,8 +151,8 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of reflections and refractions whose image moves nonlinearly when the lens point moves. The
-    // stored matrices W describe only linear motion.
+    // Warns of reflections and refractions whose image moves nonlinearly when the lens point moves. Sample
+    // files describe only linear motion (by matrices W).
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to `picture`, each behind those before it. Pixels that mix several surfaces
-/// are first split into one sample per surface.
+/// Adds the images of --behind to `picture`, each behind those before it. Pixels at edges, which mix several
+/// surfaces, are first split into one sample per surface.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -218,8 +218,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // With a lens prescription, the simulated focal length differs from that of the camera that rendered the
-    // image.
+    // With a lens prescription, `lens` holds the focal length of the prescription, not that of the camera
+    // that rendered the image.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;

@@ -25,13 +25,13 @@ struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of t
 /// Throws Error(invalid_input) if the two parts come from different commands.
 void check_same_work(const PartFacts& first, const PartFacts& other);
 
-/// The files to be joined, in the order of their shares. `add` throws Error(invalid_input) if two files
-/// contain the same share.
+/// The result files that `merge` joins, in the order of their shares of the work. `add` throws
+/// Error(invalid_input) if two files contain the same share.
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the numbers of the missing files, from 0 to count - 1. Throws if a file is missing, unless
-    /// `partial` is true.
+    /// Returns the numbers, from 0 to count - 1, of the shares that no file contains. If there are any,
+    /// throws unless `partial` is true.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Makes an image with as many views and rays as the target PSNR needs (method auto). Sets the exit code if
-/// the target is missed. Throws if the scene refers to the output file `picture`.
+/// Makes an image by the method `auto`, with as many views and rays as the target PSNR needs. Sets the exit
+/// code if the target is missed. Throws if the output file `picture` is also a file of the scene.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
 /// Adds the predicted error of an image to the text and JSON of the result (option --predict).

@@ -17,7 +17,7 @@ void list_option(CLI::App& app, const std::string& name, std::vector<int>& to, c
         ->type_name("N,N,...");
 }
 
-/// Throws if --atlas is given with an option that has no effect there. Each case of the atlas states its own
+/// Throws if --atlas is combined with an option that it does not use. Each case of the atlas states its own
 /// settings.
 void refuse_beside_atlas(const CLI::App& app) {
     constexpr std::array<std::string_view, 7> used{"--atlas", "--output", "--restart",     "--threads",

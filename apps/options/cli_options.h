@@ -42,8 +42,8 @@ inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views}
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Adds the flag --dry-run, which predicts time and memory instead of running the command. The work of the
-/// command must be divisible.
+/// Adds the flag --dry-run, which predicts time and memory instead of running the command. Only for commands
+/// whose work several machines can share (--share).
 void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
@@ -68,8 +68,8 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds --impulse and the other options of the impulse response. With `on_axis`, leaves out lens
-/// prescriptions and --cats-eye: the point then lies on the axis of a thin lens.
+/// Adds --impulse and the other options of the impulse response. With `on_axis`, the imaged point lies on the
+/// axis of a thin lens, so lens prescriptions and --cats-eye are left out.
 void impulse_options(CLI::App& app, Impulse& to, bool on_axis = false);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
@@ -88,7 +88,7 @@ std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas own the parsed options and run the subcommands.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
-/// Adds `sweep` (cli_sweep.cpp). A lambda owns the parsed options and runs the command.
+/// Adds the subcommand `sweep` (cli_sweep.cpp). A lambda in it owns the parsed options and runs the command.
 void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>

@@ -40,8 +40,9 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Limits `crop` to the rows of this machine if several machines share one image (--share). Also sets
-/// `shared`, by which `merge` recognises the result. With --frames, each machine makes whole images.
+/// If several machines share one image (--share), limits `crop` to the rows of this machine. Also sets
+/// `shared`, by which `merge` recognises the result. Does nothing with --frames, where each machine makes
+/// whole images.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -115,8 +116,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains `exposure` and `made_by`: the member `focus` of ShootOptions, or
-/// `options` itself.
+/// Returns the struct with the members `exposure` and `made_by`. In ShootOptions, it is the member `focus`;
+/// otherwise, it is `options` itself.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -143,9 +144,9 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // With the exposure `auto`, all frames get the exposure of the first frame. It is stored in each
-            // output file. If it has changed since then, --keep makes the frame again instead of keeping its
-            // file.
+            // With the exposure `auto`, all frames get the exposure of the first frame. Each output file
+            // stores it. If the first frame's exposure is now different, --keep makes the frame again instead
+            // of keeping its file.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

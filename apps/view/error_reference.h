@@ -28,9 +28,9 @@ struct ErrorReference {
 /// noise.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Prevents noise of the reference from counting as an error of `image`. Where the two differ by at most
-/// three standard deviations of the noise, the reference gets the image's colour. Throws Error(invalid_input)
-/// if the sizes differ.
+/// Prevents noise of the reference from counting as an error of `image`. Where `image` differs from the
+/// reference by at most three standard deviations of the noise, its colour is copied into the reference.
+/// Throws Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 
 }  // namespace postlens

@@ -154,8 +154,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method with this name, to find the causes of its errors. For `auto`, returns `hybrid`, because
-/// `auto` makes a hybrid image. Empty if there is no such method.
+/// Returns the method with this name, to find the causes of its errors. For `auto`, returns `hybrid`, the
+/// method by which `auto` makes its image. Empty if there is no such method.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {

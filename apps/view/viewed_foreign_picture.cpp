@@ -74,8 +74,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by luminance. A black sample gets 1e-12 times its alpha, so that black
-            // samples are sorted by alpha.
+            // Samples are sorted by luminance. Black samples are sorted by alpha, because 1e-12 times alpha
+            // replaces their luminance.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

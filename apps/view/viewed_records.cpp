@@ -17,8 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Sums over the samples of a pixel that show one object by the same light path. `inverse_depth` sums
-/// luminance / depth.
+/// Sums over those samples of a pixel that show one object by the same light path. `light` sums weighted
+/// luminance, and `inverse_depth` sums the same divided by depth.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -91,14 +91,16 @@ class ViewedRecords : public ViewedFrame {
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
         }
-        // A click in the image focuses on the surface that contributes most of the pixel's light.
+        // Nodes are sorted by light. A click in the image focuses on the first, which contributes most of the
+        // pixel's light.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // Up to this size, two cores make an image in about 50 ms, so the preview keeps the full resolution.
+        // Up to this many pixels and records, two cores make an image in about 50 ms. So the preview keeps
+        // the full resolution.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;

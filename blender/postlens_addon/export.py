@@ -98,7 +98,7 @@ def export(scene, camera, path):
     content that postlens traces differently from Blender."""
     # Without a window in the context, as after a script has opened a file, the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # A 3D view with a local camera switches to the scene's camera when its window shows another scene. So the local
+    # If a window shows another scene, its 3D views switch from their local cameras to the scene's camera. So the local
     # cameras are restored afterwards.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]

@@ -69,7 +69,7 @@ def show(path, can_open=False):
 
     If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # This property marks the add-on's image. A user's image may have the same name.
+    # The property IMAGE marks the add-on's image, because a user's image may have the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)

@@ -15,8 +15,8 @@ SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "V
 # Largest margin that is rendered around the frame, as a fraction of the frame's shorter side. Light from beyond the
 # margin is estimated from pixels within it.
 WIDEST_MARGIN = 0.25
-# Objects in front of the focus are left out of a second render if their circle of confusion has at least this radius,
-# in px. Behind the blurred edges of these objects, other surfaces become visible.
+# A second render shows the surfaces behind blurred objects. It leaves out objects in front of the focus whose circle of
+# confusion has at least this radius, in px.
 VISIBLE_RADIUS_PX = 1.0
 
 

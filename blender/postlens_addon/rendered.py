@@ -7,7 +7,7 @@ import bpy
 
 from .passes import kept, layer_of
 
-# The function `rendered` renders into this slot, so that the user's last render is not replaced.
+# The function `rendered` uses this render slot, so that the user's last render is not replaced.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

@@ -17,11 +17,11 @@ constexpr double narrowest_coc_px = 0.7;
 /// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
 /// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels on which lenses are compared. Tested apertures differ by about 10 %, so more
-/// precision is not needed.
+/// Largest number of pixels on which the search compares lenses. Apertures are tested in steps of about 10 %,
+/// so more precision is not needed.
 constexpr std::size_t most_pixels = 12000;
-/// Residuals above this limit count linearly. Beside depth edges, the blur model's own errors are about as
-/// large.
+/// Image differences above this limit count linearly. Beside depth edges, the blur model's own errors are
+/// about this large.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
@@ -84,8 +84,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared residuals for every compared pixel and blur diameter. Testing a lens takes one look-up
-/// per pixel.
+/// Table of squared differences between blurred and given image, for every compared pixel and blur diameter.
+/// Testing a lens takes one look-up per pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -150,9 +150,9 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // Tested apertures blur the farthest depth by 0.7 px to a quarter of the image width if the nearest depth
-    // is in focus. Inverse focus distances span the scene's inverse depths, extended at each end by half
-    // their range.
+    // With the nearest depth in focus, tested apertures blur the farthest depth by between 0.7 px and a
+    // quarter of the image width. Inverse focus distances span the scene's inverse depths, extended at each
+    // end by half their range.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,

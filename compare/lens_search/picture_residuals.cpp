@@ -16,7 +16,7 @@ namespace {
 /// Number of depths for which blur kernels are computed. With this many, the image changes smoothly when the
 /// fit changes the aperture or the focus distance.
 constexpr int levels = 256;
-/// Relative change of the aperture, to either side, for numerical derivatives of the fitted image.
+/// Fraction by which the aperture is increased and decreased for numerical derivatives of the image.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
 /// Number of computed images to keep, enough for two lenses. Each lens needs five images: its own, and four

@@ -16,8 +16,8 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. `expected_pictures`, the number of images to compute, is for the progress
-    /// display.
+    /// Compares `picture` with images made from `file`, to which it keeps a reference. `expected_pictures`,
+    /// the number of images to compute, is for the progress display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
@@ -27,13 +27,14 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Writes the differences between the image of the lens `place` and the image to be fitted. Differences
-    /// above `linear_from` count linearly.
+    /// Writes the differences between the image that the lens `place` makes and the image to be fitted.
+    /// Differences above `linear_from` count linearly (Huber loss).
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes each pixel's two derivatives: with respect to the logarithm of the aperture, and to the inverse
-    /// focus distance. The inverse focus distance is changed by `focus_step_per_m` to either side.
+    /// Writes the derivatives of each pixel's difference with respect to the aperture's logarithm and the
+    /// inverse focus distance. The inverse focus distance is changed by `focus_step_per_m` to either side.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Like `at`, for a given image (`of`) and for a uniform image of median brightness (`of_even`).
+    /// `of` writes the differences between `image` and the image to be fitted. `of_even` does so for a
+    /// uniform image of the fitted image's median brightness.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

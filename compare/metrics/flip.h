@@ -17,16 +17,16 @@ inline constexpr double flip_pixels_per_degree = 3840 * 3.14159265358979323846 /
 /// the border repeat the nearest. Where `usable` is 0, images are black.
 [[nodiscard]] std::vector<float> flip_map(const Image& reference, const Image& test, const PixelMask& usable);
 
-/// Exposures at which HDR-FLIP compares the images: `count` ones, evenly spaced from `start` to `stop`, in
-/// stops.
+/// HDR-FLIP compares the images at `count` exposures, evenly spaced from `start` to `stop`, in stops.
 struct FlipExposures {
     double start = 0, stop = 0;
     int count = 1;
 };
 
 /// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3], about one per stop. The tone
-/// curve maps the reference's greatest luminance to 0.85 at `start`, and the median at `stop`.
-/// - white_luminance: replaces the greatest luminance, and 0.18 the median
+/// curve maps the reference's greatest luminance to 0.85 at `start`, and its median luminance to 0.85 at
+/// `stop`.
+/// - white_luminance: replaces the greatest luminance. 0.18 then replaces the median
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

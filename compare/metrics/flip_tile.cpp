@@ -33,8 +33,8 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps of a filter so that positive ones sum to `share`, and negative ones to -share. `share` is
-// the weight of the filter if the results of several filters are added.
+// Scales the taps of a filter so that positive ones sum to `share`, and negative ones to -share. If the
+// results of several filters are added, `share` is this filter's weight.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -260,8 +260,8 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Computes the FLIP error of tiles p and q [andersson2020, sec. 4.1.3, 4.2, 4.3]. Raises `errors` to it where
-// it is greater.
+// Computes the FLIP error of tiles p and q [andersson2020, sec. 4.1.3, 4.2, 4.3]. Each pixel of `errors`
+// becomes the greater of its old value and this error.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
     // Green and blue have the greatest colour distance. FLIP maps 0.4 times this distance to a colour error

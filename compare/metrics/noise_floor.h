@@ -21,21 +21,21 @@ struct NoisyError {
     /// estimate, widened by `bias_rms`.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
-    /// Returns true if the confidence interval includes zero. The error is then only known to be at most
-    /// `greatest_rms`.
+    /// Returns true if the confidence interval includes zero. Then `greatest_rms` is only an upper bound of
+    /// the error.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 
 struct NoiseFloor {
     double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
     /// Noise of one reference in scene-linear values: its RMSE and relMSE against an ideal reference without
-    /// noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of both references.
+    /// noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of two noisy references.
     double reference_rmse = 0, reference_relmse = 0;
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Mean squared error against the first reference minus that against the second, in standard errors. By
-    /// chance alone, it is standard normal.
+    /// Mean squared error against the first reference minus that against the second, divided by this
+    /// difference's standard error. By chance alone, it is standard normal.
     double preference = 0;
 };
 

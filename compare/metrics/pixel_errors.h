@@ -26,7 +26,8 @@ struct PixelErrors {
     std::size_t pixels = 0;  ///< number N of compared pixels
 };
 
-/// relMSE divides by b^2 plus this constant, so that black pixels have a finite error.
+/// relMSE divides by b^2 plus this constant, where b is the reference, so that black pixels have a finite
+/// error.
 inline constexpr double relmse_epsilon = 0.01;
 
 /// Returns the errors of `image` over the pixels that `mask` counts. In these pixels, both images must be

@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 tabulates shutter times in 256 entries. A box shutter then covers only this fraction of the frame, and
-# exposure is corrected.
+# Cycles 3.4 tabulates shutter times in 256 entries. A box shutter then covers only this fraction of the frame, so
+# Exposure fits the exposure time into it.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -157,7 +157,7 @@ class View:
         camera = bpy.data.cameras.new("camera")
         camera.sensor_fit, camera.sensor_width, camera.lens = "HORIZONTAL", self.film_width_mm, self.focal_length_mm
         camera.clip_start, camera.clip_end = 1e-3, 1e6
-        # With blades = 0, the aperture is a disc. Its radius is lens / (2 f-number), in Blender as in postlens.
+        # With blades = 0, the aperture is a disc. Its radius is focal length / (2 f-number), in Blender as in postlens.
         camera.dof.use_dof = math.isfinite(f_number)
         if camera.dof.use_dof:
             camera.dof.aperture_fstop, camera.dof.focus_distance = f_number, focus_m
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Blender's Checker Texture node would shift the cell borders, so nodes compute the pattern. An infinitely long cell
-    # has the reciprocal 0.
+    # Blender's Checker Texture node would shift the cell borders, so nodes compute the pattern. If a cell is infinitely
+    # long, 1 / x is 0.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -469,7 +469,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Cycles' default sampler (pmj) needs more samples per pixel than Sobol points until the image is unbiased.
+    # With few samples per pixel, Cycles' default sampler (pmj) has a larger bias than Sobol points.
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
