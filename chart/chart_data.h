@@ -41,7 +41,8 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the point's curve: the method, then the sample file, unless it is the most detailed one.
+    /// Name of the plotted curve of the point: the method, then the sample file unless it is the most
+    /// detailed one.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
@@ -56,8 +57,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the mean seconds per image for `pictures` images (may be infinite), including the tracing of
-    /// `from` (may be null).
+    /// Returns the mean seconds per image if `pictures` images (may be infinite) share one trace of `from`
+    /// (may be null), including this trace.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

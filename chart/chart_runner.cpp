@@ -308,7 +308,7 @@ class Runner {
         save();
     }
 
-    // The lenses of the two timed images differ by 1/6 stop, because a real sweep varies the lens.
+    // The f-numbers of the two timed images differ by 1/6 stop, because a user's sweep also varies the lens.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -23,7 +23,8 @@ namespace postlens {
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements in the file `path` to `data`. Returns true if another machine made them.
+/// Adds an earlier run's measurements, from the file `path`, to `data`. Returns true if another machine made
+/// them.
 /// - `key`: a file with another chart_key is ignored
 /// - `own`: if true, throws Error(wrong_arguments) instead of ignoring the file, because this run writes to
 ///   it

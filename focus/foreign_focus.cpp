@@ -212,8 +212,8 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` ignores surfaces behind translucent samples, so the last sample counts as
-                    // opaque.
+                    // `scatter` ignores surfaces behind translucent samples (`behind` is null), so the last
+                    // sample counts as opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -256,8 +256,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Every depth model gives the same result, because the image does not separate reflections and
-        // refractions.
+        // Any depth model gives the same result, because images of other programs do not separate reflections
+        // and refractions.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);

@@ -20,10 +20,11 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of the sample file at the first instant. `band` also has the rows above and below.
-/// - `samples`: eye rays and the surfaces hit, one element per `rows_per_task` rows, or empty
-/// - `plain`: compact copies of eye rays that hit no mirror or glass, one element per `rows_per_task` rows,
-///   or empty
+/// Rows [y_begin, y_end) of the sample file at its first recorded instant. `band` also has the rows above and
+/// below.
+/// - `samples`: eye rays and the surfaces hit; one element per `rows_per_task` rows. May be empty.
+/// - `plain`: compact copies of the eye rays that hit no mirror or glass; one element per `rows_per_task`
+///   rows. May be empty.
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -54,15 +55,15 @@ class FocusFrame {
     /// possibly more. Throws errors of the file reader, and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns all surfaces at an instant of the sample file, cut along a grid of 16 x 16 px. Valid until the
+    /// Returns all surfaces at an instant of the sample file, cut into squares of 16 x 16 px. Valid until the
     /// next call for this instant.
     /// - `rule`: selects highlights to store separately; `rule.above` must be the same in all calls
     /// - `also`: receives the samples of each row once; only for instant 0
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for at least these rows, how nonlinearly each pixel's surface moves with the lens point, in
-    /// 1/m^2.
+    /// Returns, for at least these rows, Record::w_bend of each pixel's surface, in 1/m^2. It bounds the
+    /// error of linear reprojection to other lens points.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

@@ -1,4 +1,4 @@
-// Finds, for each pixel, how nonlinearly the surface moves in the image when the lens point moves, in 1/m^2.
+// Finds, for each pixel, how wrong linear reprojection of its surface to other lens points is, in 1/m^2.
 #pragma once
 
 #include <vector>

@@ -41,7 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // Astigmatic blur. The factor 1.5 allows for a pupil that is wider than the nominal aperture.
+        // The part of the radius due to astigmatism. The factor 1.5 allows for a pupil that is wider than the
+        // nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -61,7 +62,7 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // A large astigmatic blur becomes an ellipse, because lens aberrations are invisible in it.
+        // An ellipse replaces a large astigmatic blur, because other lens aberrations are invisible in it.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -71,8 +72,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns 1 / z, in 1/m, from map_px = gain R (1 / s - 1 / z), with aperture radius R and focus distance
-    // s.
+    // Solves map_px = gain R (1 / s - 1 / z) for 1 / z, in 1/m. gain: gain_px; R: aperture radius; s: focus
+    // distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -13,7 +13,7 @@ namespace postlens {
 
 /// Reads and focuses the real lens in `settings.impulse`, or returns nothing without one. Throws if this
 /// fails.
-/// - `recorded`: range of pixel corners of the traced area, with overscan
+/// - `recorded`: the traced area, with overscan, as a range of pixel corners
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 

@@ -168,8 +168,8 @@ class MotionBlur {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if shadows, reflections or shading may change, which convolution of one instant cannot
-    // show.
+    // Returns true if shadows, reflections or shading may change during the exposure. Convolution of one
+    // instant cannot show this.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -338,7 +338,8 @@ class MotionBlur {
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds the moving objects without samples in the file, because they may be visible in mirrors and glass.
+    // Adds to `moving` the moving objects of which the file has no samples, because they may be visible in
+    // mirrors and glass.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);

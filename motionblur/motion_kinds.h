@@ -44,7 +44,8 @@ struct IdMotion {
     /// How differently parts of the object move: largest difference, in px, between the displacements of a
     /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, of predicting the displacements of the bounding box's corners by parallax alone.
+    /// Largest error, in px, if the displacements of the bounding box's corners are predicted from their
+    /// depths (parallax) alone.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m

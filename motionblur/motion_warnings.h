@@ -17,7 +17,7 @@ namespace postlens {
 /// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to it.
 class UnseenMotion {
   public:
-    /// The ids in `moving` must be sorted. `header` must outlive this object.
+    /// `moving`: sorted ids of the moving objects. `header` must outlive this object.
     UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
     ~UnseenMotion();
     UnseenMotion(const UnseenMotion&) = delete;

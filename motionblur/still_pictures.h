@@ -15,10 +15,11 @@ namespace postlens {
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces static pixels (`touched` is 0) by their mean over all instants, because shadows and lights may
-/// change.
+/// Replaces pixels without motion (`touched` is 0) by their mean over all recorded instants, because shadows
+/// and lights may change.
 /// - `shares`: weights of the instants
-/// - `elsewhere`: sorted ids of moving objects; a pixel's mean leaves out instants at which it shows one
+/// - `elsewhere`: sorted ids of moving objects; if a pixel shows one at an instant, its mean leaves out this
+///   instant
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

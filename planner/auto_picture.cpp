@@ -24,7 +24,8 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// Largest factors for the number of views, to narrow the confidence interval: with rays, without rays.
+/// Largest factors by which the number of views may grow to narrow the confidence interval: with rays,
+/// without rays.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -35,7 +36,7 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns the next number of views of each tile, to bring the image's error below `wanted_mse`.
+/// Returns an increased number of views for each tile, to bring the image's error below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -94,7 +95,7 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns the next number of views of each tile, to narrow the 95 % confidence interval of the error.
+/// Returns an increased number of views for each tile, to narrow the 95 % confidence interval of the error.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
@@ -184,7 +185,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views do not reduce the error of highlights, so the noise need not be far below it.
+            // More views reduce the noise, but not the error of highlights, so the noise need not be far
+            // below that error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -196,7 +198,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             const bool is_first = most_samples == 0;
             if (is_first)
                 most_samples = drawn * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
-            // The errors of single tiles are inaccurate after one or two rounds, so all tiles get more views.
+            // After one or two rounds of drawing views, the errors of single tiles are inaccurate, so all
+            // tiles get more views.
             const bool all = is_first && drawn <= 2.0 * first_views * grid.width * grid.height;
             next = all ? doubled_for(0) : narrowed(wanted, measured.tiles, grid, error, most_samples);
         }

@@ -151,7 +151,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // Reference with correct occlusion and motion: if it is much better, the image's method caused the error.
+    // Reference with correct occlusion and motion: if it is much better than the image, the image's method
+    // caused the error.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -224,7 +225,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Few surfaces were missing, so new colours rather than new surfaces corrected the pixel.
+            // Few surfaces were missing, so the trial corrected the pixel by new colours, not by new
+            // surfaces.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

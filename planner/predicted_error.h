@@ -10,7 +10,7 @@ namespace postlens {
 
 /// Estimated squared errors of an image tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
-    /// Squared error relative to infinitely many lens points, from the same sample file.
+    /// Squared error relative to an image from infinitely many lens points, made from the same sample file.
     double method_mse = 0;
     double bound_mse = 0;  ///< upper bound of the error due to samples at edges or without a record
 };

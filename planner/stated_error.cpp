@@ -44,7 +44,8 @@ StatedError stated_error(const MeasuredError& measured) {
         out.views_mse += share * tile.noise_mse;
         out.variance += share * share * tile.noise_variance;
     }
-    // By chance, the estimate may be too small or negative, so its standard deviation is a lower bound.
+    // By chance, the estimate may be too small or negative, so it is raised to at least its standard
+    // deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();

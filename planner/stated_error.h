@@ -1,4 +1,4 @@
-// Computes the error of an image that is made from reprojected views and rays.
+// Computes the error of an image whose samples are partly reprojected from the sample file and partly traced.
 #pragma once
 
 #include <cstdint>

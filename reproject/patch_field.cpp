@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, rays replace all mirror and glass samples if fewer than half were reprojected
-/// accurately.
+/// After this many views, rays replace all samples of mirrors and glass if fewer than half of these samples
+/// were reprojected accurately.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -280,8 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Depths are needed even where rays replace all colours, because surfaces may hide highlights
-        // (`lights`).
+        // Depths are needed even where rays replace all colours, to find which highlights (`lights`) are
+        // hidden by surfaces.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -326,7 +326,7 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Faster than add_some; requires a view of a single recorded instant, without vignetting.
+    /// Adds all pixels of a view with a single recorded instant and no vignetting. Faster than add_some.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

@@ -72,15 +72,15 @@ struct PatchViews {
     /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
     /// If null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns which samples traced rays replace in the image square with pixel (x, y). Default:
+    /// Returns which samples rays replace in the image square that contains pixel (x, y). Default:
     /// LeftToRays::unsure.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Selects the views in which rays check the recorded colour of pixel (x, y), and appends their indices
     /// to `views`. Optional; requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Returns the probability with which pixel (x, y) was selected for rays aimed at highlights; 0 if not
-    /// selected. Optional; requires `checked`.
+    /// Returns the probability with which pixel (x, y) was chosen to compare its highlights with aimed rays;
+    /// 0 if not chosen. Optional; requires `checked`.
     std::function<double(int x, int y)> aimed;
     /// Index of the output image, in the argument `out` of patch_field, that stores the mean of these views.
     /// Several sets of views (PatchViews) may have the same index, if they draw different squares of the
@@ -93,8 +93,8 @@ struct PatchField {
     /// Returns the number of an object's motion group; the objects of a group move alike. Needed only if
     /// objects move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Bits that mark, in PatchPicture::touched, where each group of objects may change a pixel (0 at rest).
-    /// If empty, `touched` is not computed.
+    /// For each group of objects (motion_class), the bits set in PatchPicture::touched where it may change a
+    /// pixel; 0 for groups at rest. If empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
@@ -192,21 +192,22 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: fraction of views, by weight, whose reflection or refraction is missing; less if its light
-    /// is known to be dark.
+    /// For each pixel: weighted fraction of the views whose reflection or refraction is missing. Views whose
+    /// missing light is known to be dark count less.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
     std::vector<float> traced;
     /// Per pixel: measured error of its colour. Empty unless PatchViews::checked is set.
     std::vector<PixelCheck> checks;
-    /// Per pixel: measured error of its highlights. Empty without highlights or without PatchViews::checked.
+    /// Per pixel: error of its highlights, measured with rays. Empty without highlights or without
+    /// PatchViews::checked.
     std::vector<HighlightCheck> highlight_checks;
     /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
     /// Lights::add). Empty if the image has no highlights.
     std::vector<float> light_square;
-    /// Per pixel: bits (PatchField::class_marks) of the moving objects that may change it; all bits where
-    /// this is unknown.
+    /// Per pixel: the bits in PatchField::class_marks of all groups of objects that may change it; all bits
+    /// where this is unknown.
     std::vector<std::uint8_t> touched;
 };
 

@@ -61,7 +61,7 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // For an orthographic camera, the motion's matrix acts on z, so slopes of 1/z become slopes of z.
+    // An orthographic motion matrix acts on the depth z, so slopes of 1/z are converted to slopes of z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

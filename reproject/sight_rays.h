@@ -38,7 +38,8 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// highlights, so it would be counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether radiance above the limit is left out. If not set, nothing is left out.
+    /// Returns whether radiance beyond the limit `above` is left out of the traced radiance. If not set,
+    /// nothing is left out.
     /// - `path`: the reflections and transmissions by which the surface is seen
     /// - `parent_id`: the mirror or glass in which the surface is seen
     /// - `at`: raster position, in px, of a directly visible surface
@@ -63,11 +64,12 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Computes each ray's scene-linear RGB radiance, without the highlights. Thread-safe; rays do not affect
-    /// each other's results.
+    /// Computes each ray's scene-linear RGB radiance, without the highlights that `less` describes.
+    /// Thread-safe; rays do not affect each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Computes, for ray i, only the radiance of surface of[i] that `trace` leaves out.
+    /// Computes, for ray i, only the highlight radiance of surface of[i], which `trace` leaves out because of
+    /// `less`.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;

@@ -27,7 +27,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction of the method's error, 0 to 1, that has the expected cause. Absent if no error is expected.
+    /// Fraction of the method's error, 0 to 1, that has the cause predicted by the case. Absent if no error
+    /// is predicted.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };

@@ -299,7 +299,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in `direction` that is farther away than `own` and that blur may reveal.
+    /// Returns the first surface in `direction` that lies behind the surface with the radii `own`, and that
+    /// blur may reveal.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;

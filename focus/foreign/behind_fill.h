@@ -62,8 +62,8 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns an upper bound of the fraction of each blurred pixel that shows empty space, row by row. It may
-/// exceed 1.
+/// Returns, row by row, an upper bound of the fraction of each blurred pixel that shows empty space. The
+/// bound itself may exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

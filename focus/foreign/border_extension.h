@@ -28,13 +28,14 @@ class BorderExtension {
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A border sample, repeated over `length_px` pixels outside, with the mean colour of `length_px` pixels
-    /// inside.
+    /// A border sample that is repeated over `length_px` pixels outside the image. Its colour is the mean
+    /// over `length_px` pixels inside.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// One list per pixel along a side of the image, or empty if the file shows empty space beyond.
+    /// The samples to repeat, for each pixel along a side of the image. Empty if the file shows empty space
+    /// beyond this side.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

@@ -40,11 +40,11 @@ struct StackField {
     /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a random estimate, so it
     /// may exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that see a surface missing in the image, rather than empty
-    /// space.
+    /// For each pixel, the fraction of lens points that see a surface missing in the image. Empty space does
+    /// not count.
     std::vector<float> unseen;
-    /// Divisor of each pixel: mean alpha, including holdout objects, but at least 1 where empty space must
-    /// stay transparent.
+    /// Each pixel is divided by this value: mean alpha, including holdout objects, but at least 1 where empty
+    /// space must stay transparent.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };

@@ -19,7 +19,7 @@ enum class StackValue { colour, alpha };
 /// samples. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// With `with_nothing`, empty space counts as a surface that is black and not blurred.
+    /// With `with_nothing`, empty space is composited as a black surface without blur.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 

@@ -28,8 +28,8 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the reflected or transmitted light `rgb` to a mirror or glass that covers the fraction mask.alpha of
-/// the pixel.
+/// Adds the reflected or transmitted light `rgb` to the mirror or glass `surface`, which covers the fraction
+/// mask.alpha of the pixel.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -122,7 +122,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longer sequences of bounces come first, because their light is added to the shorter ones.
+    // Longer sequences of bounces come first, because their light is added to that of shorter sequences.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

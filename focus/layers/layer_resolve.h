@@ -25,8 +25,8 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Returns the light of a surface at a pixel, with reflections, or nothing outside the blur. `terms` must be
-/// sorted by LayerPart.
+/// Returns the light of a surface at a pixel, with reflections. Absent if the surface's blur does not reach
+/// the pixel. `terms` must be sorted by LayerPart.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

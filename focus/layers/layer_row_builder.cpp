@@ -10,7 +10,8 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, for which NodeResponses::phases uses steps of a quarter pixel and of a whole pixel.
+/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel and to a whole
+/// pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -52,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform discs are rounded more coarsely, because the displacement of a bright core would be
-    // visible.
+    // Only the positions of uniform discs are rounded more coarsely, because the displacement of a bright
+    // core would be visible.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -76,8 +77,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Adds a sample or merges it with an equal one. `hash` must not depend on thread timing, so that results are
-// bit-identical.
+// Adds a sample, or merges it with one of the same pixel, surface and blur kernel. `hash` must not depend on
+// thread timing, so that results are bit-identical.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -133,7 +134,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// Returns the front of a glass object, because refraction can make the blur of the back far too large.
+// Returns the front of a glass object, whose blur replaces that of the back. Refraction can make the back's
+// own blur far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -203,7 +205,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces, seen in a mirror or through glass, that are hidden from the pinhole.
+// Adds surfaces that are seen in a mirror or through glass, but that other surfaces hide from the pinhole.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

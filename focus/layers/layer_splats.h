@@ -44,8 +44,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface at the end of the bounces `path`; for masks, the mirror or glass that shows it. Empty if
-    /// it is `surface`.
+    /// The surface to which the bounces `path` lead; for masks, the mirror or glass that shows it. Empty if
+    /// it is the member `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -59,9 +59,11 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Mean lens point, in lens radii, of the light 1 px away from the kernel's centre.
+    /// Mean position on the lens, in lens radii, of the light that arrives 1 px away from the kernel's
+    /// centre.
     float lens_per_px = 0;
-    /// The part of `weight` that no lens point sees, because a surface in front has nearly the same depth.
+    /// The part of the sample's `weight` that a surface in front, at nearly the same depth, hides from all
+    /// lens points.
     float covered = 0;
 };
 
@@ -111,7 +113,7 @@ class LayerSplats {
     /// contains are not computed again.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres, for images of other programs. Call it before add_pixels.
-    /// - `known`: range of the corners of all pixels with known content
+    /// - `known`: the pixels with known content, as a range of pixel corners
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -122,8 +124,8 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// Call it first to compute an image in strips (groups of rows). Then begin_strip returns the rows of
-    /// samples to add again.
+    /// To compute an image in strips (groups of rows), call this, then add all samples. begin_strip then
+    /// returns the rows to add again for a strip.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();

@@ -17,13 +17,12 @@ namespace postlens {
 /// is therefore proportional to the length of the kernel's outline.
 class LayerSums {
   public:
-    /// Values per pixel: 8, which fill an AVX-512 register, or 12 to tell through which side of the lens
-    /// light passes.
+    /// Values per pixel: 8, which fill an AVX-512 register, or 12 if lens_at() is used.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets all sums to 0.
+    /// Sets the sums of all pixels to 0.
     /// - `with_lens`: whether lens_at() will be called
-    /// - `from_anchor_px`: distance of samples from pixel corners along x and y: 0.5 for pixel centres
+    /// - `from_anchor_px`: distance of samples from their pixel's corner along x and y: 0.5 for pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
     /// Completes the sums. Call it after the last `add` and before reading the sums.
@@ -34,8 +33,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns the light and the weight at a pixel, each multiplied by the lens point (in lens radii) and
-    /// summed.
+    /// Returns two sums over the samples at a pixel: light times lens point, and weight times lens point (in
+    /// lens radii).
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:

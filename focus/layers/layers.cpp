@@ -27,7 +27,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // Dividing by the unvignetted fraction `open` of the lens restores the weight 1 of an opaque pixel.
+    // Vignetting reduces all weights. Dividing by the unvignetted fraction `open` of the lens gives an opaque
+    // pixel the weight 1 again.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -45,8 +46,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns true for surfaces, whose light is composited separately for each side of the lens, not for mirror
-/// images.
+/// Returns whether light is composited separately for each side of the lens: true for directly visible
+/// surfaces, false for mirror images.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

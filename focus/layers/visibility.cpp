@@ -14,7 +14,7 @@ double independence(double radius_px, double other_px) {
 namespace {
 
 /// A transmittance or coverage that is linear over the lens: mean + 4 tilt . q at the lens point q, in lens
-/// radii. `tilt` is the mean of value times q. The factor is 4 because the mean of q.x^2 is 1/4.
+/// radii. `tilt` is the mean of (value * q). The factor is 4 because the mean of q.x^2 is 1/4.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -24,17 +24,17 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction of the light `sum` that is transmitted. `moment` is light times lens point, in
-    /// lens radii.
+    /// Returns the fraction of the light `sum` that passes with this transmittance. `moment` is the sum of
+    /// light times lens point, in lens radii.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
-        // Mean product of two linear functions: product of the means plus 4 times the dot product of the
-        // tilts.
+        // Mean over the lens of the product of two linear functions: product of their means plus 4 times the
+        // dot product of their tilts.
         const double varies = sum == 0 ? 0 : 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum;
         return std::clamp(mean + varies, 0.0, 1.0);
     }
 };
 
-/// A surface at a pixel that has already been composited, from front to back.
+/// A surface that has already been composited at the pixel. Surfaces are composited from front to back.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -89,13 +89,15 @@ struct Arrived {
         for (std::size_t c = 0; c < 3; ++c) rgb[c] += shown * light.rgb[c];
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens.alpha);
-        // Mean of alpha times transmittance times lens point. The product of the tilts vanishes by symmetry.
+        // Mean of alpha times transmittance times lens point. The term that contains both tilts is 0 by
+        // symmetry.
         lens.x += times * open.mean * light.lens.alpha.x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens.alpha.y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by surfaces at nearly the same depth as `radius_px`, a signed CoC radius.
+/// Returns the coverage by surfaces at nearly the same depth as a surface with the signed CoC radius
+/// `radius_px`.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -124,8 +126,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Surfaces at nearly the same depth cannot hide what the pinhole sees, so their coverage is added
-        // back.
+        // Surfaces at nearly the same depth cannot hide what the pinhole sees. So their coverage is added
+        // back to the transmittance `open`.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
@@ -134,8 +136,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // Missing coverage is filled with hidden light, because scaling up visible light could make pixels
-        // arbitrarily bright.
+        // Missing coverage is filled with light that surfaces in front hide. Scaling up the visible light
+        // could make pixels arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -145,7 +147,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // A function with values from 0 to 1 and the mean A has a tilt of at most A (1 - A).
+        // If values over the lens are from 0 to 1 with the mean A, the mean of value times lens point is at
+        // most A (1 - A).
         const double most = free.mean * (1 - free.mean),
                      is = std::sqrt(free.tilt.x * free.tilt.x + free.tilt.y * free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};

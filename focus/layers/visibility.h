@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Tells which side of the lens sends a surface's light. All colours share one value, because hue varies
-/// little.
+/// Tells through which side of the lens a surface's light arrives. All colours share one value, because hue
+/// varies little.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;

@@ -147,8 +147,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // follow_px < 0 reprojects mirror images separately, because motion displaces them differently than their
-    // mirrors.
+    // A negative follow_px means that mirror images are reprojected separately, because motion displaces them
+    // differently than their mirrors.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -176,8 +176,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, kernels spread no highlights, because rays to highlights would need all surfaces in
-        // memory.
+        // With rays, kernels then spread no highlights, because aiming rays at highlights would need all
+        // surfaces in memory.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {

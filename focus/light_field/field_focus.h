@@ -36,8 +36,8 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If at least this fraction of all pixels shows one static surface to the whole lens, these pixels are
-    /// omitted.
+    /// If at least this fraction of all pixels shows one static surface from all lens points, these pixels
+    /// are omitted.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If set, only the pixels in this rectangle are drawn, and all others are undefined. They are

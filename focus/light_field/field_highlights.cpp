@@ -20,12 +20,12 @@ constexpr double spread_from_px = 2;
 /// Below this blur radius, in px, light from the whole lens falls into one pixel, so visibility is tested all
 /// over the lens.
 constexpr double seen_by_all_px = 0.5;
-/// Largest area, in px^2 per 16 x 16 px, of sharp highlights that kernels spread: unhidden, and partly hidden
-/// in mirrors.
+/// Largest area, in px^2 per 16 x 16 px, of sharp highlights that kernels spread: if unhidden, and if partly
+/// hidden in mirrors.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
 constexpr float merged_px = 0.5F;
-/// More halvings are useless, because kernel positions are rounded to 1/16 px.
+/// More halvings of merged_px are useless, because kernel positions are rounded to 1/16 px.
 constexpr int most_halvings = 2;
 /// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
 /// 12.92 times as fast as scene-linear radiance.
@@ -43,10 +43,10 @@ constexpr int least_moments = 8;
 /// Radiance of white. Only the part of a radiance above this value is treated as a highlight, and spread by
 /// blur kernels.
 constexpr float white = 1;
-/// Radiance above white, in any channel. Dimmer static highlights are not spread by kernels, because they
-/// cause little noise.
+/// A channel of a static highlight must exceed this radiance (white). Kernels do not spread dimmer ones,
+/// because they cause little noise.
 constexpr float least_radiance = 1;
-/// Width of the square of the image in which highlights of one surface share one visibility test.
+/// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;
 
 double light_of(const std::array<float, 3>& rgb) {
@@ -60,9 +60,10 @@ glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const gl
     return px_from_lens * (widening / -4.0);
 }
 
-/// Returns how often merged_px must be halved to make merging invisible.
+/// Returns how often merged_px must be halved to make the merging of highlights invisible.
 ///
-/// Merging a square of edge a changes a pixel by L a^3 / (8 A), for radiance L and blur area A.
+/// Merging the highlights in a square of edge a changes a pixel by L a^3 / (8 A), for radiance L and blur
+/// area A.
 int halvings(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
@@ -103,11 +104,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Blur kernels ignore occluders in mirrors, so sharp highlights are reprojected unless reprojection
-        // would miss them.
+        // Blur kernels ignore occluders in mirrors. So sharp highlights there are reprojected, unless they
+        // are too small for that.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // A highlight larger than the blur is reprojected, because occluders hide each part of it
-        // differently.
+        // A highlight larger than its blur is reprojected, not spread by a kernel, because occluders hide
+        // each part of it differently.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -235,7 +236,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
-    // Sharp moving highlights are divided at pixel borders, because one kernel would light only one pixel.
+    // Sharp moving highlights are divided at pixel borders, because one kernel would put all their light into
+    // one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
         for (const Span& x : divided_at_pixels(middle.x, side)) {

@@ -86,8 +86,8 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights. `samples`: tested positions per pixel, or 0 if the drawn images decide what
-    /// is visible.
+    /// Neighbouring highlights. `samples`: positions per pixel at which visibility is tested, or 0 if the
+    /// drawn views show what is visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -48,7 +48,7 @@ inline constexpr double most_surface_bytes_of_record = 400;
 class FieldStrips {
   public:
     /// Keeps references to the arguments.
-    /// - `lens_box_px`: largest |x| and |y| of a lens point, in px per 1/m of inverse depth
+    /// - `lens_box_px`: largest displacement |x| and |y| by a lens point, in px per 1/m of inverse depth
     /// - `motion`: motion of the highlights; null if nothing moves
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);

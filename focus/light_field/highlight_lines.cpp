@@ -19,7 +19,8 @@ constexpr int attempts = 256;
 /// multiplied by this. More rays are needed, because many of them miss the highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface near a pixel. `spans`: times, as fractions of the exposure.
+/// Sharp moving highlights of one surface that pass near a pixel. `spans`: times of passing, as fractions of
+/// the exposure.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -135,8 +136,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The position in the pixel is random, because the sample file may miss parts of a moving
-            // highlight.
+            // The position in the pixel is random, not that of a recorded highlight, because the sample file
+            // may miss parts of a moving highlight.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;

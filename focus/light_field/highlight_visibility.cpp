@@ -21,20 +21,22 @@ namespace {
 /// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// The visibility tests of a tile may take at least as long as drawing the tile from this many lens points.
+/// The time limit for the visibility tests of a tile is at least the time to draw the tile from this many
+/// lens points.
 constexpr std::size_t least_drawn = 64;
-/// Smallest estimated time of one visibility test. Drawing a tile from one lens point counts as 1.
+/// Smallest estimated time of one visibility test, as a multiple of the time to draw a tile from one lens
+/// point.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
 /// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Four test points for a group of highlights: offsets from the centre, in standard deviations of the
-/// positions.
+/// Four points at which the visibility of a group of highlights is tested: offsets from its centre, in
+/// standard deviations of the positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// Up to this standard deviation, in px, the shadows that an occluder casts for several highlights count as
-/// one.
+/// If the shadows that an occluder casts for several highlights have at most this standard deviation of
+/// position, in px, they count as one.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -70,8 +72,8 @@ class FieldHighlights::OverViews final : public Lights {
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    /// Tables of the nearest lens points. They are made when a tile first needs them, because the highlights
-    /// of most images reach few tiles.
+    /// Tables of the lens points nearest to each cell of the lens. They are made when a tile first needs
+    /// them, because the highlights of most images reach few tiles.
     struct Tables {
         Asked always;
         std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
@@ -80,7 +82,8 @@ class FieldHighlights::OverViews final : public Lights {
     void lay_timed(std::vector<Asked>& timed) const;
     [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
     [[nodiscard]] const Asked& asked(const Source& s) const {
-        // Makes the tables without parallel loops: a thread that waits here must not be needed by one.
+        // Makes the tables without parallel loops. Such a loop could wait for a thread that waits here, a
+        // deadlock.
         std::call_once(made_, [this] { tables_ = make_tables(); });
         if (s.u < 0 || tables_.timed.empty()) return tables_.always;
         return tables_.timed[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
@@ -101,7 +104,8 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr double table_reach = 1.1;              ///< lens radii
     /// The exposure is divided into this many intervals, each with its own list of nearest lens points.
     static constexpr int spans = 16;
-    /// A difference in time of the whole exposure counts like this distance on the lens.
+    /// In the search for near lens points, a time difference of the whole exposure counts like this distance
+    /// on the lens.
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -241,8 +245,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // Test positions differ between groups of highlights and sets of lens points, so that errors are
-    // independent.
+    // The points for visibility tests differ between groups of highlights and sets of lens points, so that
+    // errors are independent.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);

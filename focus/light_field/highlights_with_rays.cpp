@@ -56,7 +56,7 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the sample file contains the whole highlight, as seen from all lens points.
+/// Returns whether the sample file contains all parts of the highlight that any lens point sees.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;

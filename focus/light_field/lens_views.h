@@ -21,8 +21,8 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Returns whether blur is the mean of sharp images seen from lens points (not for diffraction and real
-/// lenses).
+/// Returns whether the blur equals the mean of sharp images seen from lens points. False for diffraction and
+/// real lenses.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);

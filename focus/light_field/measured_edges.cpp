@@ -29,7 +29,8 @@ constexpr std::size_t finest_rays = 64;
 /// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
 /// squares. All hits in one square are merged into one small highlight.
 constexpr int edge_squares = 8;
-/// Rays do not trace the outlines of highlights if they cross more pixels than this fraction and this number.
+/// Rays do not trace the outlines of highlights if these outlines cross more pixels than this fraction of all
+/// pixels and this number.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -54,8 +55,8 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// `low`: the highlight touches the left (x) or upper (y) border of `area`; `high`: the right or lower
-    /// border.
+    /// `low`: the highlight touches the left (x) or the upper (y) border of `area`; `high`: the right (x) or
+    /// the lower (y) border.
     glm::bvec2 low{false}, high{false};
 };
 
@@ -90,7 +91,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // A highlight may reach almost to the next sample, which is twice the root of `light.area` away.
+            // The next sample is twice the root of `light.area` away. The highlight may reach almost that
+            // far.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

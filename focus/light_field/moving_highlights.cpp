@@ -15,7 +15,7 @@ constexpr int looks = 64;
 /// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
 /// The fractional part of x turn_x + y turn_y selects one of `turns` instants, so that neighbouring
-/// highlights differ. (x, y) is the position in px.
+/// highlights use different instants. (x, y) is the position in px.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// A moving highlight is not drawn at instants at which its position or CoC radius exceeds this, in px.

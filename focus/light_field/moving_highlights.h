@@ -51,15 +51,17 @@ class HighlightMotion {
     /// pixel. Highlights with a large blur may change by up to a quarter of their blur radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// Returns the highlight at `count` equally spaced instants of the exposure, or once, with u = -1, if at
-    /// rest.
-    /// - `turned`: shifts the instants according to the position, so that neighbouring highlights differ
+    /// Returns the highlight at `count` equally spaced instants of the exposure. A highlight at rest is
+    /// returned once, with Moment::u = -1.
+    /// - `turned`: shifts the instants according to the position, so that neighbouring highlights use
+    ///   different instants
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Returns how an object moves to the middles of `count` equal parts of the exposure. Thread-safe.
+    /// Returns the motions of an object to the middles of `count` equal time intervals of the exposure.
+    /// Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest difference of CoC diameter between neighbouring depth levels with equal steps of depth.
+/// Largest difference of CoC diameter, in px, between neighbouring depth levels if these have equal steps of
+/// depth.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -19,7 +20,8 @@ double clamped_radius_px(double diameter_px) {
 /// Returns how many depth levels, equally spaced in z', keep the rounding error of CoC diameters below half
 /// of linear_step_px. The nearest depth decides, because the diameter changes most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Solves gain (1 / z - 1 / (z + h)) = linear_step_px / 2 for the half step h at the nearest depth z.
+    // Solves gain (1 / z - 1 / (z + h)) = linear_step_px / 2 for h, half the step between depth levels, at
+    // the nearest depth z.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -93,7 +95,7 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // Depths beyond the levels occur only in reflections and refractions, and have no level.
+    // Depths outside the range of depth levels occur only in reflections and refractions, and have no level.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

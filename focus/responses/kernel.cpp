@@ -18,7 +18,7 @@ namespace {
 /// value is stored once. Fewer values are stored pixel by pixel, which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Replaces the radius 0, so that the disc has an area. The kernel equals that of a point.
+/// Used instead of the radius 0, so that the disc has an area. The resulting kernel is that of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {

@@ -29,8 +29,8 @@ struct KernelRow {
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Kernels are clipped to columns [-x, x) and rows [-y, y) around a sample, in px, which contain the whole
-/// image.
+/// Kernels are clipped to columns [-x, x) and rows [-y, y) around a sample, in px. From any sample, this
+/// range covers the whole image.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -58,7 +58,7 @@ struct Kernel {
 /// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
 /// Builds the kernel of a uniform shape or of a grid of values, clipped to `reach`. Coordinates are relative
-/// to the anchor.
+/// to the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -71,7 +71,8 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// For highlights whose blur radius is below element k, in px, the step may be ellipse_step_px / 4^k.
+    /// Sizes of a highlight's blur may be rounded to ellipse_step_px / 4^k if the blur radius is below
+    /// element k, in px.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -82,8 +83,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// True if half_height, half_chord, top_displacement and map_yy are a 2x2 matrix, for apertures that are
-    /// not round.
+    /// True if half_height, half_chord, top_displacement and map_yy store the four entries of a 2x2 matrix,
+    /// for apertures that are not round.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -103,7 +104,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns how many bits the largest size or matrix entry needs, in units of step_px().
+    /// Returns how many bits the key's largest size or matrix entry needs, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -162,7 +163,8 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns the number of kernels, including discs that were not requested and are not valid.
+    /// Returns how many kernel numbers exist. Numbers of discs that were not requested count too, but are not
+    /// valid.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -32,8 +32,8 @@ struct Phases {
     }
 };
 
-/// Returns the rounded positions of a sample's blur kernel, with weights that add up to the weight of the
-/// sample.
+/// Returns the subpixel positions of a sample's blur kernel after rounding. Their weights add up to the
+/// weight of the sample.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

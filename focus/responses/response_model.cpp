@@ -28,7 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Shift of the vignetting edge inside the blur, in px, when a point moves by 1 px in the image.
+        // Shift of the vignetting edge within the blur, in px, when the blurred point moves by 1 px in the
+        // image.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -50,7 +51,8 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // A kernel serves a whole square of the image, so vignetting is ignored if it blocks the centre.
+        // A kernel serves a whole square of the image. If vignetting blocks all light at the square's centre,
+        // it is ignored.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {

@@ -69,8 +69,8 @@ class ResponseModel {
     /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether the model supports astigmatism. If not, surfaces in mirrors or glass are blurred by
-    /// the mean CoC radius.
+    /// Returns whether the response model supports astigmatic blur. If not, surfaces in mirrors or glass are
+    /// blurred by the mean CoC radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
     /// Computes three blur kernels for each request, one per colour channel. Works in parallel. All requests
     /// must have the same subpixel position `phase_px`, because their kernels are computed together.

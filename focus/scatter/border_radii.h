@@ -15,7 +15,7 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Raises the blur radius at a border sample in row `y` to at least `radius_px`. Thread-safe for
+    /// Raises the blur radius stored for a border sample in row `y` to at least `radius_px`. Thread-safe for
     /// different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// If corners of the pixel (x, y) lie on the border of the traced area, raises the blur radii stored for

@@ -43,7 +43,8 @@ struct RowRange {
     int begin, end;
 };
 
-/// Adds a row of samples, blurred by half a disc: downwards from `down`, and mirrored upwards from `up`.
+/// Adds a row of samples, blurred by discs: the lower halves from `down` downwards, the upper halves from
+/// `up` upwards.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

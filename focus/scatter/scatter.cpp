@@ -29,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the weight of a pixel's samples, raised towards 1 by at most the weight `most_nothing` of empty
-/// space.
+/// Returns what a pixel is divided by: its samples' weight, raised towards 1 by at most `most_nothing`, the
+/// weight of empty space.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

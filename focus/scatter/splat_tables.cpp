@@ -114,7 +114,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Equals add_sample for samples without reflections at corners of undivided pixels, but is faster.
+// Does the same as add_sample, but faster, for samples that lie at corners of undivided pixels and show no
+// reflections.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -240,7 +241,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // Adds 1 px, because a kernel may be centred up to 1 px from the anchor.
+    // Adds 1 px, because a kernel's centre may lie up to 1 px from its integer position.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }

@@ -94,16 +94,16 @@ class SplatTables {
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
-    /// Call it first to compute an image in strips (groups of rows). Then begin_strip returns the rows of
-    /// samples to add again.
+    /// To compute an image in strips (groups of rows), call this, then add all samples. begin_strip then
+    /// returns the rows to add again for a strip.
     void survey() { keep_ = Keep::none; }
-    /// Starts the rows `part` of the image. Returns the row ranges [begin, end) of samples to add before
-    /// finish_strip().
+    /// Starts the strip `part` of the image. Returns the row ranges [begin, end) of samples to add again
+    /// before finish_strip().
     /// - `block_px`: height of the groups of rows that splats_reaching() counts
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns how many samples are blurred into the groups [begin, end) of `block_px` rows. Call it after
-    /// finish_strip().
+    /// Returns how many samples the blur spreads into the groups [begin, end) of `block_px` image rows. Call
+    /// it after finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -113,19 +113,22 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns a colour channel (0 to 2) of row y. Valid only where adjacent samples share a disc (SplatRun).
+    /// Returns a colour channel (0 to 2) of row y. Valid only where adjacent samples share a blur disc
+    /// (SplatRun).
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Range of rows around a sample that the largest disc of any SplatRun covers.
+    /// Range of rows around a sample that the largest disc of any SplatRun (adjacent samples with equal blur)
+    /// covers.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns the largest fraction of each pixel in row y that may stay empty, or null if no pixel may.
+    /// Returns, for each pixel in row y, the largest fraction that may be empty space, or null if no pixel
+    /// may contain any.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *

@@ -118,7 +118,8 @@ struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of equal kernel weights: adds weight * (sum[high] - sum[low]), with the prefix sums of an image row.
+/// Adds the pixels below a run of equal kernel weights: weight * (sum[high] - sum[low]), with the prefix sums
+/// of an image row.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;

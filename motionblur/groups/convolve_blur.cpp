@@ -15,7 +15,8 @@ namespace {
 /// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
 struct Between {
     std::array<double, 3> colour{};
-    /// Coverage = covered / known. `known` leaves out samples whose stored surfaces are all nearer.
+    /// Coverage = covered / known. `known` leaves out samples whose stored surfaces are all nearer than these
+    /// depths.
     double covered = 0, known = 0;
 };
 
@@ -175,8 +176,8 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Returns an upper bound of the summed squared error where one moving group occludes another: variance of
-/// the coverage times variance of the light, for radiances up to 1.
+/// Returns an upper bound of the summed squared error of convolution where one moving group occludes another:
+/// variance of the coverage times variance of the light, for radiances up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -112,7 +112,7 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // For v in [low, high], the linear function area * (1 - v / low) has the mean of max(0, 1 + v).
+    // If v is uniformly distributed in [low, high], area * (1 - v / low) has the same mean as max(0, 1 + v).
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -128,7 +128,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // About four quadtree cells meet at each sample, and each cell adds one piece.
+    // About four quadtree cells meet at each sample, and each cell adds one quarter (Piece) of itself.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

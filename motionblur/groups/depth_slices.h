@@ -42,9 +42,9 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Colours and coverage of a depth slice (surfaces at similar depths) that is displaced by p:
+/// Colours and coverage of a depth slice (surfaces at similar depths) that is displaced by p, in px:
 ///
-///     flat + sum over the axes a of stretched[a] * (dot(p, a.direction) - a.low_px)
+///     flat + sum over the axes a (PathAxis) of stretched[a] * (dot(p, a.direction) - a.low_px)
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -54,14 +54,15 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Sorts the surfaces of `group`, which has the number `g`, into depth slices.
+    /// Sorts the surfaces of `group`, which has the number `g`, into depth slices (surfaces at similar
+    /// depths).
     /// - `across_per_px`: width of a pixel in the scene, in m; for perspective cameras, at a depth of 1 m
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns the displacement of depth slice k, as a multiple of the group's motion path; nearer slices
+    /// Returns how far depth slice k moves, relative to the motion path of the whole group; nearer slices
     /// move farther.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;

@@ -44,7 +44,7 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Rounding errors of the FFT add up over the slices, so coverages up to their sum become 0.
+    // Rounding errors of the FFT add up over the slices, so coverages up to the sum of these errors become 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};

@@ -15,13 +15,13 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the area passed by a moving group that contains static surfaces at the group's
+/// Returns, for the area passed by a moving group, the fraction in which static surfaces lie at the group's
 /// depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns why a group of moving objects needs the method lightfield instead of convolution. Empty if
-/// convolution is accurate enough.
+/// Returns why convolution in depth slices is too inaccurate for a group of moving objects, so that it needs
+/// the method lightfield. Otherwise empty.
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);

@@ -75,8 +75,8 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns the background behind moving objects, interpolated from the pixels with `weight` 1. If
-/// `weight` is empty, pixels that `seen` shows have weight 1.
+/// Returns the background behind moving objects, interpolated from the pixels with `weight` 1. If `weight` is
+/// empty, these are the pixels that are known in `seen`.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

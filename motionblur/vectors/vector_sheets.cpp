@@ -57,7 +57,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds a black square, used for all parts of the image without stored pixels.
+    /// Adds one black mesh square, which is used for all parts of the image without stored pixels.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});

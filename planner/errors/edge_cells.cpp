@@ -112,7 +112,8 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // For shading a x^2 + b y^2 + c x y, the corners' mean is wrong by (a + b) / 6. Assumes a = b = c / 2.
+    // For shading a x^2 + b y^2 + c x y, the corners' mean is wrong by (a + b) / 6. Only c is measured;
+    // assumes a = b = c / 2.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -50,7 +50,7 @@ class SpreadLight {
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
     /// Returns the squared error of sRGB values, summed over pixels. `variance_share` multiplies the variance
-    /// of the estimated light.
+    /// of the light, to predict other quadtree levels.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -38,8 +38,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
 /// surfaces that this lens sees, and instants of this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // A trace's f-number is film distance / lens diameter. An image's f-number is focal length / lens
-        // diameter.
+        // Converts the image's f-number (focal length / lens diameter) to that of a trace (film distance /
+        // lens diameter).
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

@@ -13,7 +13,7 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// If true, later trials are ignored for the pixels that this trial corrects.
+    /// If true, and if this trial removes a pixel's error, later trials are ignored for this pixel.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

@@ -43,8 +43,8 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns sRGB differences between rays and the sample file. They use the curve's slope, so that noise
-/// causes no bias.
+/// Returns the sRGB differences between rays and the sample file, by the slope of the sRGB curve. This linear
+/// conversion keeps noise from causing bias.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -106,7 +106,8 @@ struct ChosenSum {
     }
 };
 
-/// Mean whose variance has a lower bound, because a few measurements may miss rare large errors.
+/// Mean of products of residuals. Its variance has a lower bound, because a few pixels may miss rare large
+/// errors.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -160,9 +161,9 @@ class TileMeasurement {
         for (const double of_piece : noise_of_pieces) {
             const double noise = of_piece / pixels;
             out.error.noise_mse += noise;
-            // Let d be half the difference of the halves, and v the noise of their mean. d and v are
-            // independent normal variables of the same variance n, so the difference of their squares has the
-            // variance 4 n^2. The expectation of 4/3 d^4 is also 4 n^2.
+            // Let d be half the difference between the two halves of the views, and e the error of their
+            // mean. d and e are independent normal variables of the same variance n, so the variance of e^2 -
+            // d^2 is 4 n^2. The expectation of 4/3 d^4 is also 4 n^2.
             out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
         out.error.bias_mse = out.views.mean();
@@ -248,8 +249,8 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The variance of n stratified rays at outlines is proportional to n^(-5/4) [mitchell1996]; n =
-            // views / 2.
+            // The variance of n stratified rays at outlines is proportional to n^(-5/4) [mitchell1996]; each
+            // half has n = views / 2 rays.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -40,16 +40,17 @@ struct MeasuredError {
 /// Measures the errors of an image whose views are divided into two halves, `a` and `b`. They must have equal
 /// numbers of views and independent lens points. The result is bit-identical for any number of threads.
 /// - `crop`: only pixels within it are measured
-/// - `checked`, `use`: select the check rays
+/// - `checked`, `use`: select the rays with which recorded colours are compared
 ///
 /// The noise is the mean squared difference between the halves and their mean [mccarthy1969]. The bias is the
-/// mean product of the residuals (ray minus record) of both halves, because their noise is independent.
+/// mean product of the residuals (ray minus recorded colour) of both halves, because their noise is
+/// independent.
 [[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use);
 
-/// Selects tiles by decreasing `value` until the remaining values sum to at most `most`. Returns 1 for
-/// selected tiles.
+/// Selects tiles by decreasing `value` until the values of the other tiles sum to at most `most`. Returns 1
+/// for selected tiles.
 /// - `value(tile, share)`: `share` is the tile's fraction of the image
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,

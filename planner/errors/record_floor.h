@@ -1,4 +1,5 @@
-// Estimates the error that remains with any number of views, because the samples are sparse at edges.
+// Estimates the error at edges that remains with any number of lens points, because the file's samples are
+// sparse.
 #pragma once
 
 #include <span>
@@ -11,11 +12,11 @@
 
 namespace postlens {
 
-/// Returns the factor by which blur reduces an edge's squared error, smaller if the edge is `aligned` with
-/// the quadtree.
+/// Returns the factor by which blur reduces the squared error of sparse samples at an edge. Smaller if the
+/// edge is `aligned` with the quadtree.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor, fitted to measurements, by which edges that the samples miss increase the squared error.
+/// Factor, fitted to measurements, by which the squared error increases because the samples miss some edges.
 inline constexpr double floor_unseen = 1.4;
 
 /// Estimates the squared error of each pixel's sRGB value due to edges. The samples show which quadtree cell

@@ -20,10 +20,12 @@ class CheckedPixels {
     /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends to `out` the lens points that rays check in pixel (x, y), as indices relative to `first`.
+    /// Appends to `out` the lens points for which a ray checks the colour of pixel (x, y), as indices
+    /// relative to `first`.
     /// - `set`, `first`, `count`: chooses among the points [first, first + count) of a set of lens points
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Returns the probability that rays check the highlights of pixel (x, y), or 0 if they do not check it.
+    /// Returns the probability with which pixel (x, y) was chosen to compare its highlights with rays, or 0
+    /// if it was not chosen.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

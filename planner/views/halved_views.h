@@ -23,14 +23,14 @@ namespace postlens {
 class HalvedViews {
   public:
     /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first set of lens points; 122 consecutive sets are used
+    /// - `first_set`: number of the first set of lens points; this object uses 122 sets from there on
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
     /// halves; half 0 may have one view more. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Replaces all samples of the tiles with nonzero `tiles` by rays, now and later. Returns whether a tile
-    /// was redrawn.
+    /// Replaces all samples of the tiles with a nonzero entry in `tiles` by rays, also in views drawn later.
+    /// Returns whether a tile was redrawn.
     /// - `what`: whether rays also replace highlights
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
@@ -67,8 +67,8 @@ class HalvedViews {
     std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
-/// Returns the image, the number of rays and the fraction of traced samples. HybridResult::stated stays
-/// empty.
+/// Returns the image, the number of rays and the fraction of traced samples, but no error:
+/// HybridResult::stated stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

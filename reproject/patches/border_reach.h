@@ -20,7 +20,7 @@ class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Returns whether a surface from outside the recorded image may appear in the tile `at`.
+    /// Returns whether a surface from beyond the border of the recorded image may appear in the tile `at`.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
     /// Finds the pixels of a view that a surface from outside the recorded image may cover, assuming that the
     /// recorded surfaces at the border continue. Writes the inverse depth of the assumed surface to
@@ -48,7 +48,8 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of this side's pixels in any view: into the image, and along the side.
+        /// Largest displacement in any view of the image pixels at this side: into the image, and along the
+        /// side.
         double deepest_px = 0, sideways_px = 0;
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);

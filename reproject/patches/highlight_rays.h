@@ -18,8 +18,8 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Measures the error of `light`, the highlights' light in the image, with traced rays; stores it in
-    /// `sums`. `checks` counts rays that are not in `sums`.
+    /// Traces rays to measure the error of `light`, the highlights' light in the image, and stores it in
+    /// `sums`. Rays that are not in `sums` are counted in `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

@@ -14,7 +14,7 @@ namespace postlens {
 /// Computes an upper bound of how much motion distorts the image of a part of an object's surface during the
 /// exposure. Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// For each of `strain_views` instants: the motion of each group of objects that move alike.
+    /// For each of `strain_views` instants: one motion for each group of objects that move alike.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -71,7 +71,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Sets bit n of the result if sample `begin` + n hits the patch in front of inverse depth there[n].
+/// Sets bit n of the result if the patch covers sample `begin` + n and is nearer there than inverse depth
+/// there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -125,7 +126,7 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// A loop, because a SIMD gather is not faster: about half of the bits in `found` are 0.
+/// A loop over the set bits of `found`, because a SIMD gather is not faster: about half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));

@@ -111,7 +111,8 @@ struct WantedPixels {
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// True if some pixels lack the mirror or glass; there, `in` is in_gap(id) of an object in front.
+    /// True if the mirror or glass is not recorded in some pixels. Their element of `in` is in_gap(id) of an
+    /// object in front.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -128,7 +129,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
 /// Returns the bounding box, in px of the tile, of the pixels whose reflections or refractions are drawn
-/// separately.
+/// separately from the mirror or glass.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen in a mirror or through glass, with a depth test, in the pixels of `wanted`.

@@ -161,8 +161,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Only directly visible surfaces store one value (inverse depth); others are not tested for
-        // distortion by motion.
+        // Only directly visible surfaces store one value (inverse depth). Those in mirrors or glass are not
+        // tested for distortion by motion.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -195,8 +195,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // Limited, because for small apertures `within`, the allowed error of inverse depth, becomes
-            // huge.
+            // back_per_m is limited, because for small apertures the allowed error of inverse depth,
+            // `within`, becomes huge.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -360,8 +360,8 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // Divides patches that come close to inverse depth `light_per_m`, because the projection is singular
-        // there.
+        // Divides patches close to the light's inverse depth, `light_per_m`, because their projection from
+        // the light is singular there.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

@@ -37,7 +37,8 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns the largest distortion of a part of a surface by motion. Empty if nothing moves.
+    /// Returns the largest distortion that motion causes in a part of a surface. This function is empty if
+    /// nothing moves.
     /// - `middle`: centre of the part
     /// - `slope`: gradient of its inverse depth, per px
     /// - `reach`: half its size, in px
@@ -79,15 +80,15 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, linear functions of position (px from its corner): inverse depth and, if stored, xx,
-    /// xy, yx and yy of Record::w.
+    /// For each patch: inverse depth and, if stored, xx, xy, yx and yy of Record::w, as linear functions of
+    /// the position (px from the patch's corner).
     std::vector<CellPlane> planes;
-    /// Per sheet: bits (child_bit) of the reflection and refraction that move with the surface
+    /// Per sheet: bits (child_bit) of the reflection and refraction that are drawn as part of the surface
     /// (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Returns the bits (child_bit) of the reflection and refraction that are drawn separately, because they
-    /// move differently from the surface.
+    /// Returns the bits (child_bit) of a texel's reflection and refraction that are drawn separately, because
+    /// they move differently from the surface.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
@@ -99,8 +100,8 @@ struct PatchMesh {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of reflections and refractions that are drawn as part of the surface, because
-    /// they move with it.
+    /// Returns the radiance of a texel's reflection and refraction if these move with the surface, and so are
+    /// drawn as part of it.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];

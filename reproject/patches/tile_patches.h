@@ -54,8 +54,8 @@ class PatchBins {
     /// Counts the patches that are seen by reflection or transmission and may appear in a rectangle of a
     /// tile. Returns whether any recorded instant has more than `most` of them.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Adds the patches in `rect` seen by reflection or transmission, grouped by sequence of bounces.
-    /// Includes empty groups.
+    /// Adds the patches in `rect` that are seen by reflection or transmission. They are grouped by sequence
+    /// of bounces; groups may be empty.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:

@@ -18,8 +18,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Groups by time the views that show motion and use the recorded instant `instant`. The result points
-/// into `field`.
+/// Groups by time the moving views that are reprojected from the recorded instant `instant`. The result
+/// points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

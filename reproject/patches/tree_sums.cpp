@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Below this fraction of views that show a reflected surface, its radiance seen from the pinhole is blended
-/// in.
+/// If less than this fraction of the views shows a reflected surface, its radiance as seen from the pinhole
+/// is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace

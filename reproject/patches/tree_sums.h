@@ -32,8 +32,8 @@ class TreeSums {
 
     /// Sets the directly visible surfaces of a view. `primary` must stay valid until all pixels are added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Finds the pixels (`wanted`) that show surfaces seen by `path`. Returns the tile to draw into, or null.
-    /// Call for shorter paths first.
+    /// Finds the pixels (`wanted`) in which to draw the surfaces seen by `path`. Returns the tile to draw
+    /// into, or null. Call for shorter paths first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
@@ -45,7 +45,7 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds reflections and refractions in pixel k to `sum` (radiance times `weight`). Returns the weight of
-    /// views that lack some, less if those are dark.
+    /// views that lack a reflection or refraction; views that lack only dark light count less.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -82,9 +82,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If the mirror or glass is missing in pixel k, adds the surfaces seen in it; returns whether any.
+    /// If the mirror or glass is not recorded in pixel k, adds the surfaces seen in it. Returns whether it
+    /// added any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the farthest object along the bounces of `chain` that pixel k shows.
+    /// Follows the bounces of `chain` in pixel k. Returns the id of the last object on the way that is
+    /// visible there.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);

@@ -34,8 +34,8 @@ struct ShownView {
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of recorded instant `u` (0 or 1) in pixel `k`. Of two surfaces, usually only the
-    /// nearer counts.
+    /// Returns the weight of the colour from recorded instant `u` (0 or 1) in pixel `k`. If both show
+    /// different surfaces, usually only the nearer counts.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -45,8 +45,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether the outline in pixel `k` is less precise at instant `u` than at 1 - u (object recorded
-    /// smaller).
+    /// Returns whether, in pixel `k`, the object's outline is less precise at recorded instant `u` than at 1
+    /// - u, because the object appeared smaller.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
     /// (x, y) is the pixel's position in the tile.
@@ -70,8 +70,8 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Number of tested samples with mirrors or glass, and of those whose reflections and refractions need no
-    /// ray.
+    /// Number of tested samples with mirrors or glass, and of those among them that need no ray for their
+    /// reflections and refractions.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
     /// Per pixel: bit u is set if a ray replaces the colour from recorded instant u (0 or 1).
@@ -81,8 +81,8 @@ class RaySamples {
     /// something moves, also schedules rays for all mirrors and glass, because a reflection moves differently
     /// from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays for pixels whose reflections or refractions, `trees`, are missing or inaccurate at
-    /// recorded instant `u` (0 or 1).
+    /// Schedules rays for pixels whose reflections or refractions, stored in `trees`, are missing or
+    /// inaccurate at recorded instant `u` (0 or 1).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -109,8 +109,8 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the colours of selected pixels, to compare them with rays. Call for each recorded instant `u`.
-    /// `trees` may be null.
+    /// Stores the colours of pixels that PatchViews::checked selects, to compare them with rays. Call for
+    /// each recorded instant `u`. `trees` may be null.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }

@@ -13,21 +13,22 @@
 
 namespace postlens {
 
-/// Up to 16 x 16 px of the raster: columns [first_pixel, last_pixel) of the first `rows` rows of a band.
+/// Up to 16 x 16 px of the raster: columns [first_pixel, last_pixel) of the first `rows` rows of a band
+/// (group of rows).
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// All or a quarter of a quadtree cell, which shows a single surface.
+/// A quadtree cell, or a quarter of one. It shows a single surface.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of ray hits in node[]: 4, one per cell corner, or 1 at (at_x, at_y), px from the pixel's
+    /// Number of ray hits in node[]: 4 at the cell's corners, or 1 at (at_x, at_y), in px from the pixel's
     /// corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
@@ -97,7 +98,8 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// Per surface; after sort_pieces, `key_pieces_` holds ends in `sorted_` instead of counts.
+    /// For each surface: `key_pieces_` counts its pieces. After sort_pieces, it stores where they end in
+    /// `sorted_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

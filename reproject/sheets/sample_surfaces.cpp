@@ -32,8 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Perspective slope by inverse depths: (1 / far - 1 / near) / (across / far) = (near - far) / near /
-    // across.
+    // near and far are inverse depths, so the perspective slope is (1 / far - 1 / near) / (across / far) =
+    // (near - far) / near / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;

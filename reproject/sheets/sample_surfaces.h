@@ -29,13 +29,13 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// Flags (`mark`) of all surfaces seen in this one: [0] by reflection, [1] by transmission.
+    /// Flags (`mark`) of all surfaces that are seen in this surface: [0] by reflection, [1] by transmission.
     std::array<std::uint8_t, 2> marks_below{};
     /// The radiance that is seen in this surface: [0] by reflection, [1] by transmission. It includes light
     /// that arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// Largest relative motion over the lens, in 1/m, of the reflection [0] and refraction [1]; infinite for
-    /// bright light.
+    /// Largest motion of the reflection [0] and refraction [1] relative to this surface, over the lens, in
+    /// 1/m; infinite for bright light.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {

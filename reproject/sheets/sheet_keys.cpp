@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest relative difference of inverse depth at which errors of fitted depths may change the order of
-/// surfaces.
+/// If the inverse depths of two surfaces differ by less than this fraction, errors of fitted depths may
+/// change their order.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -164,7 +164,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // Skips the last row, which is read again with the rows below, except at the end of the file.
+        // `also.rows` does not get the last row, because it is read again with the rows below, except at the
+        // end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];

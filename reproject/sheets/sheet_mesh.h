@@ -121,8 +121,8 @@ struct SheetMesh {
     /// For each pixel of each surface: root of its colour quadtree. In `coarse`, for blurred surfaces, fully
     /// covered pixels have only one colour.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel, relative to its centre: planes of inverse depth (1/m) and, if `values` is 5, of
-    /// Record::w.
+    /// For each pixel, relative to its centre: planes of inverse depth (1/m) and, if `values` is 5, of the
+    /// four entries of Record::w.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
@@ -170,12 +170,12 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional: removes unneeded surfaces from `some`, part number `part` of the row of squares at y. Called
-    /// by several threads.
+    /// Optional: removes unneeded surfaces from `some`, part number `part` of the row of 16 x 16 px squares
+    /// at y. Called by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Optional: for a row of squares not read from the file (see `rows`), appends its known surfaces, left
-    /// to right.
+    /// Optional: if `rows` leaves out a row of squares, appends its surfaces, which the caller already knows,
+    /// left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -187,8 +187,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects highlights by a new rule with the same `above`. The result is bit-identical to tree_sheets with
-/// that rule.
+/// Selects highlights by a new rule with the same radiance limit `above`. The result is bit-identical to that
+/// of tree_sheets with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens
