@@ -17,7 +17,7 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's limit of threads, one per core by default, to that of the job with the most threads.
+/// Raises TBB's limit of threads (by default one per core) to the largest number that a job needs.
 class WidestJob {
   public:
     void add(int threads) {

@@ -30,12 +30,13 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit per huge page, set when the huge pages after it were requested. Takes 16 MB of address space, but
-/// hardly any memory.
+/// One bit per huge page, set when this page and those after it were requested from the kernel. Takes 16 MB
+/// of address space, but hardly any memory.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Asks the kernel for huge pages at the addresses after a block, because malloc will place the next blocks
-/// there. This must happen before the first write to these addresses, which decides the size of their pages.
+/// there. This must happen before the first write to these addresses, because that write decides the size of
+/// their pages.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -46,7 +47,7 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// Does nothing in a module that another program loads, because the heaps belong to that program.
+/// Requests no huge pages in a library that another program loads, because the heaps belong to that program.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

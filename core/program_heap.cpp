@@ -1,8 +1,6 @@
 // Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. Memory gets a huge page
-// (core/operator_new.cpp) only if the heap contains the whole page before the first write to it. Reserved
+// (core/operator_new.cpp) only if the whole page belongs to the heap when it is first written to. Reserved
 // memory costs nothing until it is written to.
-//
-// This file is not part of the library, because its settings affect the whole process.
 #include <malloc.h>
 
 namespace {
@@ -10,8 +8,8 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // glibc then keeps all unused memory of a thread's heap (at most 64 MB). 32 MB is the largest threshold
-    // that glibc allows.
+    // With this M_TOP_PAD, glibc keeps all unused memory of a thread's heap (at most 64 MB). 32 MB is the
+    // largest M_MMAP_THRESHOLD that glibc allows.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
     // Keeps up to 256 MB of unused memory at the end of the main heap. By default, glibc returns more than

@@ -78,8 +78,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence: Pascal's triangle modulo 2 times the bits of the index. Each
-/// line multiplies by one factor matrix.
+/// Returns dimension 1 of the Sobol sequence: Pascal's matrix modulo 2 times the bits of the index. Each line
+/// multiplies by one factor of this matrix.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -114,8 +114,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Coordinates of 16 consecutive Sobol points: point i has low[i] ^ high, with its bits reversed. The first
-/// index is a multiple of 16.
+/// Coordinates of 16 consecutive Sobol points: that of point i is low[i] ^ high in reversed order of bits.
+/// The first index is a multiple of 16.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -118,8 +118,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                 }
             },
             context);
-        // If a part of an outer loop throws, TBB also ends this loop, without an error. The caller must not
-        // go on with a part of the results. TBB passes on only the first exception.
+        // If another part of an outer loop throws, TBB also cancels this inner loop, but reports no error
+        // here. The caller must not go on with incomplete results. TBB passes on only the first exception.
         if (context.is_group_execution_cancelled()) fail(ExitCode::interrupted, "an outer loop has failed");
     });
 }

@@ -1,4 +1,4 @@
-// Writes a smaller sample file of the same frame, for quick previews.
+// Writes a sample file of the same frame with fewer, larger pixels, for quick previews.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Estimates how many records of instant 0 (that of the pinhole image) lie exactly at pixel corners. It
-/// extrapolates from at most 32 evenly spaced rows.
+/// Estimates how many records (surface hits) of instant 0, which the pinhole image shows, lie exactly at
+/// pixel corners. It extrapolates from at most 32 evenly spaced rows.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file

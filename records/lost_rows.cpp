@@ -31,9 +31,9 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends the left end of every quadtree leaf (undivided cell) that touches the lower edge of a pixel. Calls
-/// itself for the two lower quarters of a divided cell. The current cell begins at u and is `size` wide, both
-/// in steps of 1 / position_steps px.
+/// Appends the lower left corner of every quadtree leaf (undivided cell) that touches the lower edge of a
+/// pixel. Calls itself for the two lower quarters of a divided cell. The current cell begins at u and is
+/// `size` wide, both in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     // A divided cell has a sample at its centre, because the centre is a corner of its four quarters.

@@ -19,7 +19,7 @@ struct LostRows {
 };
 
 /// Makes records of rays that hit nothing, in place of the unreadable row y of a damaged file.
-/// - above: the row above, because its quadtree cells have corners in row y; null if there is none
+/// - above: the row above, whose lowest quadtree cells have corners in row y; null if there is none
 /// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);

@@ -11,8 +11,8 @@ namespace postlens {
 
 namespace {
 
-// Adds to `sample` the records of hidden surfaces at its position. They are stored in `band` with the pixel
-// that contains this position.
+// Adds to `sample` the records of hidden surfaces at its position. `band` stores them with the pixel that
+// contains this position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -35,7 +35,8 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A point sample may be a corner of quadtree cells in several pixels. Only cells in this pixel count.
+        // A point sample may be a corner of quadtree cells in several pixels. Only cells in this pixel add to
+        // its weight.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

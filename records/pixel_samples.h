@@ -9,7 +9,7 @@
 namespace postlens {
 
 /// A point sample (one eye ray) of a pixel. The weights of all samples of a pixel add up to 1. `nodes` lists
-/// the surfaces that the ray and its reflections and refractions hit, then hidden surfaces.
+/// the surfaces that the ray and its reflections and refractions hit, then the hidden surfaces behind them.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;

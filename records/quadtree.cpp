@@ -41,7 +41,7 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 
 /// Calls on_sample(first_record, count) for every sample of layer 0 (what the pinhole sees) in pixel (x, y),
 /// sorted by y, then by x. With `top_edge_only`, leaves out samples below the pixel's upper edge. Throws if
-/// the upper left corner has no sample.
+/// the upper left corner has no sample, which every pixel must have.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -83,9 +83,9 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Enters the samples of pixel (x, y) into the table. It also enters samples on the right and lower edges
-    /// of the pixel, which are stored in neighbouring pixels. Returns false if the pixel's quadtree has more
-    /// levels than the table can hold.
+    /// Enters the samples of pixel (x, y), number `column` of its row, into the table. It also enters samples
+    /// on the right and lower edges of the pixel, which are stored in neighbouring pixels. Returns false if
+    /// the pixel's quadtree has more levels than the table can hold.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -93,8 +93,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The next pixel stores the samples on the shared edge. Its cells may be smaller, so add() may reject
-        // some of the samples.
+        // The next pixel stores the samples on the shared edge. Its cells may be smaller than the table's
+        // steps, so add() may reject some of the samples.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -195,8 +195,8 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Sets `row` to the samples of row y, with their colours, for pixels x_begin to x_end - 1. With
-/// `top_edge_only`, includes only those on the row's upper edge.
+/// Sets `row` to the samples of pixel row y, with their colours, for pixels x_begin to x_end - 1. With
+/// `top_edge_only`, includes only samples on the upper edge of these pixels.
 void colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only,
                     ColourRow& row) {
     row.samples.clear();
@@ -251,8 +251,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
                                        // Corners of a cell and quadrants around a sample have the same order:
-                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from its
-                                       // corner c, a cell lies in the opposite quadrant, 3 - c.
+                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. A cell lies in
+                                       // quadrant 3 - c around the sample at its corner c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

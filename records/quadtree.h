@@ -20,8 +20,8 @@ struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
-    /// Weights for the quadtree cells up-left, up-right, down-left and down-right of the sample. Each is a
-    /// quarter of the cell's area, in px^2.
+    /// Weights of the sample in the quadtree cells up-left, up-right, down-left and down-right of it. Each is
+    /// a quarter of the cell's area, in px^2.
     std::array<float, 4> weight{};
     /// Edge length, in px, of the quadtree cells up-left, up-right, down-left and down-right of the sample; 0
     /// if there is none.
@@ -32,9 +32,9 @@ struct PointSample {
 /// Finds the point samples (eye rays) of rows y_begin to y_end - 1. Computes their weights, i.e. the areas of
 /// the image that they represent. Samples are listed pixel by pixel, and sorted by y, then by x.
 ///
-/// Only leaves (undivided quadtree cells) in pixel rows pixel_y_begin to pixel_y_end - 1 add to the weights.
-/// `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws
-/// Error(invalid_input) if a corner of a cell is missing.
+/// Only leaves (undivided quadtree cells) in pixel rows pixel_y_begin to pixel_y_end - 1 add to the weights
+/// of the samples at their corners. `band` must also contain the neighbouring rows y_begin - 1 and y_end if
+/// they exist. Throws Error(invalid_input) if a corner of a cell is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand

@@ -92,9 +92,9 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error, in 1/m^2, of the linear motion that `w` describes; 0 if not measured. It shifts the image by
-    /// w_bend R^2 film distance / pixel pitch, for R metres from the lens centre. Infinite if other lens
-    /// points see the surface by another path.
+    /// Error, in 1/m^2, of `w`, which assumes that the image moves linearly with the lens point; 0 if not
+    /// measured. For a lens point R metres from the centre, this error shifts the image by w_bend R^2 film
+    /// distance / pixel pitch. Infinite if other lens points see the surface by another path.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

@@ -12,15 +12,15 @@ namespace postlens {
 struct RecordsRead {
     /// Receives the point samples of rows y_begin to y_end - 1. Each row is passed once, from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives pixel rows y_begin to y_end - 1 and the undivided cells of their quadtrees, each row once.
-    /// May be called by several threads at once.
+    /// Receives pixel rows y_begin to y_end - 1 and the leaves (undivided cells) of their quadtrees. Each row
+    /// is passed once. May be called by several threads at once.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Passes rows y_begin to y_end - 1 to the callbacks, with the leaves (undivided cells) of their quadtrees.
-/// `band` must also contain row y_end, because the lower corners of these cells lie there. Only the last row
-/// of the file has no next row, and therefore no leaves. Throws the errors of find_leaves and of the
-/// callbacks.
+/// Passes rows y_begin to y_end - 1 to the functions of `to`, with the leaves (undivided cells) of their
+/// quadtrees. `band` must also contain row y_end, because the lower corners of these cells lie there. The
+/// last row of the file has no leaves, because no row follows. Throws the errors of find_leaves and of these
+/// functions.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -98,7 +98,8 @@ class SampleFileReader {
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
     [[nodiscard]] RecordCompression compression() const;
-    /// Rows of records range from y_begin() = -overscan to y_end() - 1 = height + overscan.
+    /// Records lie at pixel corners, so rows range from y_begin() = -overscan to y_end() - 1 = height +
+    /// overscan.
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;
     /// Records lie at the corners of pixels, so there is one more column of records than of pixels. The

@@ -18,9 +18,9 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions.
-/// An edge stores the lowest index of each position.
-/// An edge of triangles 2, 5 and 9 is listed twice: for 2 and 5, and for 5 and 9.
+/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions. Of equal
+/// positions, an edge stores the lowest index. An edge of triangles 2, 5 and 9 is listed twice: for 2 and 5,
+/// and for 5 and 9.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.
@@ -28,7 +28,7 @@ struct MeshEdge {
 /// Parts are numbered from 0 in the order of their first triangles.
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
-/// The parts of all objects of a scene, each with its own index.
+/// The connected parts of all objects of a scene, each with an index that is unique in the scene.
 class ObjectParts {
   public:
     explicit ObjectParts(const Scene& scene);
@@ -40,7 +40,8 @@ class ObjectParts {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns the connected part of each triangle of an object's mesh. Empty if there is only one part.
+    /// Returns, for each triangle of an object's mesh, the index of its connected part. Empty if there is
+    /// only one part.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }

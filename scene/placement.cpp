@@ -11,8 +11,8 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces almost zero columns of the matrix m, which have no reliable direction. The new columns are unit
-// vectors, perpendicular to the other columns.
+// Replaces columns of the matrix m whose `length` is almost 0 compared with `longest`, because they have no
+// reliable direction. The new columns are unit vectors, perpendicular to the other columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -46,7 +46,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Starts a polar decomposition with unit columns, because only their directions determine the rotation.
+    // The polar decomposition starts with columns of unit length, because only the directions of the matrix's
+    // columns determine the rotation.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

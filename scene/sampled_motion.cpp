@@ -10,8 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// Number of parts of an interval between keyframes. The interpolation error is measured at the 7 times
-// between these parts.
+// Number of parts of an interval between keyframes. The interpolation error is measured at the 7 times where
+// two parts meet.
 constexpr int looks = 8;
 
 struct Sampler {

@@ -107,8 +107,8 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the object's motion, which replace world_from_object if there are any.
-    /// The transform at time t is then key(t) * motion_base.
+    /// Keyframes of the object's motion, which replace world_from_object if there are any. The transform at
+    /// time t is then key(t) * motion_base, i.e. motion_base applies first.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
     /// If false, the object casts no shadow. Example: a glowing ball around a point light.

@@ -17,8 +17,8 @@ Bounds around(const dvec3& centre, const dvec3& half) {
     return {centre - half, centre + half};
 }
 
-// Returns the half extents, along the world axes, of a disc that is transformed by M = `linear`.
-// For each world axis e, this is the radius times the length of M^T e in the disc's plane.
+// Returns the half extents, along the world axes, of a disc that is transformed by M = `linear`. For each
+// world axis e, this is the radius times the length of M^T e projected onto the disc's plane.
 dvec3 disc_half_extent(const dmat3& linear, const dvec3& unit_normal, double radius) {
     dvec3 half;
     const dmat3 rows = glm::transpose(linear);

@@ -7,9 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// A rectangle of up to this many texels along each edge is read texel by texel.
-/// In a larger rectangle, precomputed squares of several texels are read instead. At most this many squares
-/// lie along each edge.
+/// Largest number of texels or precomputed squares of texels that are read along each edge of a rectangle.
+/// Squares are read only if the rectangle has more texels along an edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -64,7 +63,7 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     std::array<float, 6> range = nothing;
     // Colour ranges are precomputed on several levels. Level 0 consists of texels, and each higher level of
     // larger squares. Finds the lowest level on which at most `most_across` squares or texels lie along each
-    // edge of the region.
+    // edge of the given rectangle.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

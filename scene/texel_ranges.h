@@ -23,7 +23,8 @@ struct ColourRange {
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Computes the colour ranges of an image of `width` x `height` texels. Keeps no reference to `rgb`.
+    /// Computes the colour ranges of squares of texels, for an image of `width` x `height` texels. Keeps no
+    /// reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
     /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last].

@@ -126,8 +126,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the bounding box to texels, counted from the upper left corner. Texel centres are at
-    // half-integers, so bilinear interpolation reads up to half a texel beyond the box.
+    // Converts the box from `low` to `high` to texels, counted from the upper left corner of the image. Texel
+    // centres are at half-integers, so bilinear interpolation reads up to half a texel beyond the box.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

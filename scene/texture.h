@@ -57,8 +57,8 @@ class Texture {
         return colour(place, glm::dvec2(place));
     }
     /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`. If
-    /// `low` and `high` are half an image or more apart, there is probably a seam between them. Then only the
-    /// colours at these two corners are included.
+    /// `low` and `high` are half an image or more apart, a seam of the texture coordinates probably lies
+    /// between them. Then only the colours at these two corners are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -21,7 +21,7 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// With `for_f_number`: divides pixels at object edges to at least `lens_levels` levels.
+    /// With a lens (`for_f_number`): divides pixels at object edges to at least `lens_levels` levels.
     /// `subdivision.levels` then limits only the division due to contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
@@ -29,25 +29,25 @@ struct TraceSettings {
     /// docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
     /// If `keys` is absent, the largest turn of an object between recorded instants, degrees, relative to the
-    /// camera.
-    /// At 15, two instants miss 0.9 % of a ball's radius (1 - cos 7.5 degrees).
+    /// camera. At 15, two instants miss a strip of 0.9 % of a ball's radius (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// `degrees_per_key` for methods that also trace rays. It is larger, because rays replace missing
-    /// surfaces.
+    /// Value of `degrees_per_key` for methods that also trace rays. Fewer instants suffice, because rays
+    /// replace missing surfaces.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of changing light alone, if `keys` is absent: half the squared error of the 40 dB
-    /// target.
+    /// If `keys` is absent, target PSNR, dB, for the error that changing light causes. This is half the
+    /// squared error of the 40 dB target.
     double light_db = 43;
-    /// `light_db` for methods that also trace rays. 12 dB less halves the number of recorded instants.
+    /// Value of `light_db` (target PSNR) for methods that also trace rays. 12 dB less halves the number of
+    /// recorded instants.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// `narrow_strip_px` for methods that also trace rays, which trace up to a pixel beside edges anyway.
+    /// Value of `narrow_strip_px` for methods that also trace rays. They trace rays up to a pixel beside
+    /// edges anyway.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's f-number, else from
-    /// f/1.4.
-    /// `for_f_number` also sets `bend_radius_m`.
+    /// f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -86,8 +86,8 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Only if `keys` is chosen automatically: the turn, degrees, of an object or the camera, and the reason
-    /// for `keys`.
+    /// Only if `keys` is chosen automatically: the turn, degrees, of an object or the camera during the
+    /// shutter, and the reason for `keys`.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };

@@ -33,8 +33,8 @@ class ScanlineBytes {
     /// Computes the index of each pixel's first record, and finally their total number. Returns false if the
     /// stored numbers of records are damaged.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records of the row. Channels that are not stored become 0, except Record::w (identity /
-    /// depth). Returns false if a position is damaged.
+    /// Unpacks the records of the row. Channels that are not stored become 0, but Record::w becomes the unit
+    /// matrix divided by the depth. Returns false if a position is damaged.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

@@ -33,8 +33,8 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Returns the name of a part: "picture", "records" or "scanlines". For the i-th further instant (key), from
-/// 1 on, it is "records.k<i>" or "scanlines.k<i>".
+/// Returns the name of a part: "picture", "records" or "scanlines". For instant i > 0, it is "records.k<i>"
+/// or "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
@@ -58,7 +58,7 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
 }
 
 /// A row of the part `scanlines` of a sample file, followed in the file by a checksum. `picture_checksum` is
-/// for a pinhole image row; 0 outside.
+/// that of the row of the pinhole image; 0 outside this image.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;

@@ -214,14 +214,14 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Computing image row y - 1 needs the records of rows y - 1 and y. For the first row of the band, this is
-    // done above.
+    // With row y, image row y - 1 can be computed, which needs the records of both rows. For the first row of
+    // the band, this is done above.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Writes each image row as soon as it is complete, and does not wait for the end of the call. Otherwise
-    // the order of rows in the file would depend on the number of rows per call.
+    // Writes each image row as soon as it is complete, not at the end of the call. Otherwise the order of
+    // chunks in the file would depend on the number of rows per call.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

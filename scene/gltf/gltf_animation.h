@@ -29,8 +29,8 @@ struct GltfCurve {
 /// The curves of one node.
 struct GltfNodeCurves {
     std::optional<GltfCurve> translation, rotation, scale;
-    /// Returns the node's placement (translation, rotation, scale) at a time. `own` provides what has no
-    /// curve.
+    /// Returns the node's placement (translation, rotation, scale) at a time. `own` provides the properties
+    /// that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
     /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
     /// An additional time precedes each jump by shortest_key_gap_s.

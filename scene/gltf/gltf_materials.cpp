@@ -121,7 +121,8 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // In glTF, an index of refraction of 0 means a mirror at all angles, which is not supported.
+            // In glTF, an index of refraction of 0 means a mirror at all angles. This is not supported, nor
+            // are other values below 1.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;

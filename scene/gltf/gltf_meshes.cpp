@@ -98,7 +98,7 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Triangle strips are joined by triangles without area, so their removal causes no note.
+        // Exporters join triangle strips by triangles without area, so their removal causes no note.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }

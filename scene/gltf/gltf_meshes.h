@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// The texture coordinates of a material: a set of the mesh, and KHR_texture_transform (v points down).
+/// Texture coordinates of a material: a TEXCOORD set of the mesh, transformed by KHR_texture_transform. v
+/// points down.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -25,8 +26,8 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Returns the primitives of mesh `index` that have triangles, in metres, with notes on what is ignored.
-/// `uvs` holds the texture coordinates of each material. Throws Error(invalid_input).
+/// Returns the primitives of mesh `index` that have triangles. Lengths are in metres. Adds notes on what is
+/// ignored. `uvs` holds the texture coordinates of each material. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

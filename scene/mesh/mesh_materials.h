@@ -1,4 +1,5 @@
-// Converts materials of MTL files (read by assimp), and textures of OBJ and PLY files, to Whitted's model.
+// Converts materials of MTL files (read by assimp) to Whitted's model, and reads textures of OBJ and PLY
+// files.
 #pragma once
 
 #include <assimp/material.h>
@@ -25,8 +26,8 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts an assimp material. `pictures` contains the options of its texture images.
-    /// Throws Error(invalid_input) if the path of a texture leads out of the scene's folder.
+    /// Converts an assimp material. `pictures` contains the options (scale, offset, ...) of its texture
+    /// images. Throws Error(invalid_input) if the path of a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();

@@ -80,8 +80,8 @@ void append_numbers(std::string_view line, std::string& out) {
     out += line.substr(copied);
 }
 
-// Appends one `mtllib` line per file name, up to a comment.
-// File names may contain blanks, so a name ends only after ".mtl".
+// Appends one `mtllib` line per file name, until a comment begins. File names may contain blanks, so a name
+// ends only after ".mtl".
 void append_libraries(std::string_view names, std::string& out) {
     for (bool first = true; !names.empty() && names[0] != '#'; first = false) {
         std::size_t end = 0;

@@ -14,7 +14,8 @@ namespace {
 using glm::dvec3;
 using Name = std::string_view;
 
-// Range of film sizes and focal lengths, mm: wider than real ones, but narrow enough for finite quotients.
+// Range of film sizes and focal lengths, mm: wider than real ones, but narrow enough that their quotients are
+// finite.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};
 
 void read_projection(const TomlTable& t, double unit, Camera& camera) {

@@ -61,7 +61,8 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns where, in raster px, the pinhole camera sees a point of the lens ray at image position (x, y).
+    /// Returns the raster position, px, at which the pinhole camera sees a point on the lens ray for image
+    /// position (x, y).
     /// - `unit`: lens point where the ray starts, in lens radii
     /// - `t`: distance of the point along the ray, m
     ///

@@ -26,7 +26,7 @@ struct RenderState {
     double exposure_stops = 0;  ///< exposure of the sums
     /// One array for each half of the samples: radiance times exposure, 3 doubles (RGB) per pixel, row-major.
     std::array<std::vector<double>, 2> sums;
-    /// Sums of the blocks of samples that are not yet complete, one array for each half of the samples.
+    /// Sums of radiance of blocks that still lack samples, one array for each half of the samples.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

@@ -27,7 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// `taken` approximates `truth`. Corners suffice, because the error in metres is convex.
+// Error of the transform `taken` compared with `truth`. The box's corners suffice, because the error in
+// metres is convex.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -78,7 +79,7 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // `excess` is the error of Embree's linear interpolation at tested instants; `bend`, a second difference,
-    // bounds the rest.
+    // bounds how much larger it is between them.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -59,7 +59,7 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// The sRGB value 1/8 as radiance. Dimmer images in mirrors and glass are ignored.
+/// Radiance (that of the sRGB value 1/8) below which images in mirrors and glass are ignored.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -129,11 +129,13 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // More than 0.5 cell widths and one radius, because the position is only approximated linearly.
+        // Margins: 0.55 instead of 0.5 cell widths, and 1.1 radii, because the position is only approximated
+        // linearly.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The smaller singular value of radius * cell_by is half the width of the sphere's elliptical image.
+        // Half the width of the sphere's elliptical image, in cell widths: the smaller singular value of
+        // radius * cell_by.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -39,7 +39,7 @@ class BrightImages {
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
     /// Returns how small quadtree cells must be to show all images of bright objects in mirrors and glass.
-    /// - `at`: rays from the four corners of a cell after equal reflections and refractions, row by row
+    /// - `at`: rays from the four corners of a cell after the same sequence of bounces, row by row
     /// - `size_px`: width of this cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 

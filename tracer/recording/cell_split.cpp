@@ -156,7 +156,8 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // `times` is the largest ratio of radiance to texture colour, so that contrast is not underestimated.
+        // Estimates radiance as times * colour + plus. `times` is the largest ratio of radiance to texture
+        // colour, so that contrast is not underestimated.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

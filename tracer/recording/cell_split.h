@@ -71,8 +71,8 @@ class CellSplit {
     /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
     /// trees: points of the same object after the same bounces. Returns false if a tree has none.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
-    /// Returns the surface point that a shading tree contains after this sequence of bounces.
-    /// Tests the index `guess` first, because most corners of a cell have similar trees.
+    /// Returns the index of the surface point that the shading tree `in` contains after the bounces of
+    /// `path`. Tests `guess` first, because trees at the corners of a cell are mostly similar.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -90,8 +90,8 @@ class CellSplit {
         return {visible_layer(c.corner[0]), visible_layer(c.corner[1]), visible_layer(c.corner[2]),
                 visible_layer(c.corner[3])};
     }
-    /// Sets `out` to the shading tree of the visible or hidden surface that begins at record `at` of the
-    /// sample. Sets `at` to the index after its last record.
+    /// Sets `out` to the shading tree (list of records) of a visible or hidden surface, which begins at
+    /// record `at` of the sample. Sets `at` to the index after its last record.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.

@@ -60,8 +60,8 @@ struct CornerCell {
     std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
     std::array<std::uint32_t, 4>
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
-    /// Sample indices: middle of the upper and left side, centre, middle of the right and lower side.
-    /// Unset if the cell is undivided.
+    /// Sample indices: upper middle, left middle, centre, right middle, lower middle. Unset if the cell is
+    /// undivided.
     std::array<std::uint32_t, 5> between;
 };
 

@@ -15,13 +15,15 @@ class CornerRecords {
   public:
     /// Sorts the samples of pixel rows [y_begin, y_end) by pixel.
     void sort(const CornerGrid& grid, std::span<const CornerSample> samples, int y_begin, int y_end);
-    /// Writes the records of some of these rows, one pixel after the other. `samples` must be the same.
+    /// Writes the records of rows [y_begin, y_end), pixel by pixel. These must be sorted rows, and `samples`
+    /// those that were passed to `sort`.
     void emit(const CornerGrid& grid, std::span<const CornerSample> samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 
   private:
     int y_begin_ = 0;  ///< first row
-    /// For each pixel, its first sample in `order_`, which lists indices of samples, and its first record.
+    /// `order_` lists indices of samples, pixel by pixel. Per pixel, `first_` is its first place in `order_`,
+    /// and `first_record_` its first record.
     std::vector<std::uint32_t> first_, order_, first_record_;
     std::vector<std::uint32_t> next_;  ///< buffer
 };

@@ -26,8 +26,8 @@ constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band (group of rows in memory) or part of a band that contains row y ends.
-// Bands end at fixed rows, so records do not depend on the first row that is traced.
+// Returns the end of the group of `rows` rows (a band in memory or part of one) that contains row y. Groups
+// end at fixed rows, so records do not depend on the first row that is traced.
 int next_multiple(int y, int rows) {
     return (floor_div(y, rows) + 1) * rows;
 }
@@ -70,8 +70,8 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points in parallel: `fill` sets the positions, `traced` receives the samples. All
-    // functions must be thread-safe.
+    // Traces batches of sizes[i] points in parallel: `fill` sets the positions, `traced` receives the
+    // samples. All functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -188,7 +188,7 @@ class BandSampler {
         });
     }
 
-    // Reuses sample i, which was traced with the band of pixel rows above.
+    // Reuses sample i on the band's upper edge, which was traced with the band of pixel rows above.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -227,8 +227,8 @@ class BandSampler {
                 {}};
     }
 
-    // Pixels left and right of a divided pixel are also tested at the centre, because small objects may lie
-    // between pixel corners.
+    // Pixels left and right of a divided pixel are also sampled at the centre to decide their division,
+    // because small objects may lie between pixel corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -337,8 +337,8 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Points on the lower edge of the band belong to the pixel above, because pixels below are not traced
-    // yet.
+    // Returns the samples at the corners of k's pixel. On the band's lower edge, this is the pixel above,
+    // because pixels below are not traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -370,7 +370,7 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the upper edge of the next band, which it shares with the band that was traced.
+    // Keeps the samples on the lower edge of the traced band, because the next band shares this edge.
     void carry(int y_begin) {
         const std::uint32_t edge = grid_.row(y_begin);
         carried_.records.clear();

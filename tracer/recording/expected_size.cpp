@@ -34,7 +34,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // Counts no bytes for the stripe's lower edge, because the pixels below are not subdivided.
+        // Counts no bytes for records on the stripe's lower edge, because the pixels below are not
+        // subdivided.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {

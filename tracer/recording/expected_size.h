@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// Returns the number of rows traced to predict the file size: about rows / 48, but 8 to 64 (at most `rows`).
+/// Returns the number of rows traced to predict the file size: about rows / 48, limited to 8 to 64 and to
+/// `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header.

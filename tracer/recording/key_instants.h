@@ -39,8 +39,7 @@ struct KeyCount {
 };
 
 /// Returns the least number of evenly spaced instants, `at_least` to 64, so that every object in view is
-/// recorded.
-/// Ignores time spans that are too short for 64 instants.
+/// recorded. Ignores time spans in view that are too short for 64 instants.
 /// - `recorded_s`: instant that is recorded anyway
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, if every `between`-th instant is recorded (0: only the frame's own
-    /// instant).
+    /// Returns the predicted PSNR, dB, if every `between`-th of the tested instants is recorded (0: only the
+    /// frame's own instant).
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -215,7 +215,8 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Begins with the most instants, because errors may cancel by chance if instants are few.
+    // Begins with the most instants and then halves their number, because errors may cancel by chance if
+    // instants are few.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

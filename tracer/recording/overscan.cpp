@@ -59,7 +59,8 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Pixel positions, including the image's border, because a surface may end just beyond the border.
+    // Tested pixel positions, every `step_px`. They include the image's border, because a surface may end
+    // just beyond it.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

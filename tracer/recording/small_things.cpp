@@ -30,7 +30,7 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For cones: half[1] and half[2] are multiplied by x at centre - half[0], and by y at centre + half[0].
+    // For cones: factors of half[1] and half[2] at both ends, centre - half[0] (x) and centre + half[0] (y).
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -326,11 +326,12 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Small quadtree cells make the area of compact bright objects accurate. Along elongated objects, errors
-    // average out.
+    // Compact bright objects need small quadtree cells for an accurate area. Along elongated objects, errors
+    // average out, so 1 px suffices.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory: a piece needs at least three quadtree cells, so this many pieces need too many cells.
+    // Limits memory: each piece of a narrow object needs at least three quadtree cells, so this many pieces
+    // need too many.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

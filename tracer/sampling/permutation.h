@@ -22,7 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // Takes the highest 4 bits of the offset, because `step` uses only the lowest `bits` bits.
+            // The shift comes from the highest 4 bits of the offset, because `step` uses only the offset's
+            // lowest `bits` bits.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -35,7 +36,7 @@ class Permutation {
         return x;
     }
 
-    /// Replaces `lanes` integers x in [0, n) by their permuted values (cycle walking).
+    /// Applies the permutation to `lanes` integers x in [0, n) (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);

@@ -28,7 +28,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Closer points are at most two grid cells away, because a cell is at least distance / 2 wide.
+        // Points closer than `distance` are at most two grid cells away, because a cell is at least distance
+        // / 2 wide.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];

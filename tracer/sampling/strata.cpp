@@ -16,16 +16,16 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Multiplies by the reciprocal. Exact for divisors up to 2^20 and quotients up to 2^24, because 0.5 is
-/// added.
+/// Divides by multiplying by the reciprocal. Adding 0.5 to the dividend makes this exact for divisors up to
+/// 2^20 and quotients up to 2^24.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Returns the lower edge, in units of 2^-24, of interval `cell` of the `value` equal intervals of [0,
-    /// 1).
+    /// Divides [0, 1) into `value` equal intervals. Returns the lower edge of number `cell`, in units of
+    /// 2^-24.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         // Rounds up: for integers a and d, ceil(a / d) = floor((a + d - 1) / d). Adding
         // 0.5 protects against rounding errors.

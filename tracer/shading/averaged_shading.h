@@ -1,4 +1,4 @@
-// Counts glossy materials and area lights, because a sample file stores only the mean of their light.
+// Counts glossy materials and area lights of a scene. A sample file stores only the mean of their light.
 #pragma once
 
 #include <cstdint>

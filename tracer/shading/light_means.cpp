@@ -75,8 +75,8 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// k solves target_noise = sqrt(k) (L / 2) / k^2 at radiance L, because a shadow edge crosses k of k x k
-// cells.
+// At radiance L, a shadow edge that crosses k of the light's k x k cells causes noise of sqrt(k) (L / 2) /
+// k^2. Returns k at which this is target_noise.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

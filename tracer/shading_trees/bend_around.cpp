@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the record with `path` in `layer`, else in layer 0, which alone contains the mirror or glass in
-/// front.
+/// Returns the record with `path` in `layer`, else in layer 0, because only layer 0 contains the mirror or
+/// glass in front.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {

@@ -27,7 +27,8 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is clamped only after the light of all sources is added.
+/// A surface hit whose radiance is limited to LightElsewhere::above only after the light of all light sources
+/// is added.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

@@ -33,13 +33,14 @@ struct EyeRays {
     /// Weight of each ray in the image, used only to skip reflections and refractions below
     /// `min_contribution`. If empty, all are 1.
     std::vector<double> importance;
-    const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
+    const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If not empty, one surface point per ray: only the radiance that `less` excludes there is computed.
+    /// If not empty, one surface point per ray. Only the radiance of this point that `less` excludes is
+    /// computed.
     std::vector<NodeIdentity> left_out_of;
 };
 

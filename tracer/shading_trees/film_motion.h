@@ -28,7 +28,7 @@ class FilmMotion {
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
     /// Returns where, in raster px, the infinitely distant background in `direction` appears at instant i.
-    /// - `at`: raster position of the ray; the result for orthographic cameras
+    /// - `at`: raster position of the ray, returned for orthographic cameras
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -46,7 +46,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// Per object id and predicted instant, the matrix from recorded to predicted world positions.
+    /// Per object id and instant, the matrix from world positions at the recorded instant to those at this
+    /// instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

@@ -68,8 +68,8 @@ class Follower {
         return c.goes_on;
     }
 
-    // Resumes just before the last hit, because another surface may touch it, but behind it after a repeated
-    // hit.
+    // Continues just before the last hit, because another surface may touch it. If that hit was a repetition,
+    // continues behind it.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -83,7 +83,8 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // Decided anew after each hit, because fewer moving objects remain ahead on the ray.
+        // Whether to continue is decided anew after each hit, because fewer moving objects remain ahead on
+        // the ray.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
@@ -172,8 +173,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Images in mirrors and glass are deeper than the mirror or glass, so a lens sees more of them past
-        // edges.
+        // Images in mirrors and glass lie behind the mirror or glass, so a lens sees more of them past
+        // surfaces in front.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

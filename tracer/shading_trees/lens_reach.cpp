@@ -15,8 +15,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Returns where this thread's last search of the depth pyramid ended that began in the same columns and with
-/// a similar inverse depth. The next search is usually close by and often ends in the same square of pixels.
+/// Returns the end of this thread's last search of the depth pyramid from the same columns and a similar
+/// inverse depth. The next search is usually close by and often ends in the same square of pixels.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth, double x) {
     thread_local std::array<MinMaxPyramid::Hint, 1024> hints;
     const std::size_t depth =

@@ -27,11 +27,11 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Margin, px, around the strip seen past an edge, because edges are found only to a pixel and whole
-    /// pixels are recorded.
+    /// Margin, px, around the strip of hidden surfaces seen past an edge, because edges are found only to a
+    /// pixel and whole pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// A depth edge lies between two pixels if their parallax from lens centre to rim is at least this
-    /// fraction of their distance.
+    /// A depth edge lies between two pixels if their relative parallax from lens centre to rim, px, is at
+    /// least this fraction of their distance, px.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
@@ -85,7 +85,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Parallax, px, from lens centre to rim per 1/m of difference in inverse depth.
+    /// Parallax, px, from lens centre to rim, of two surfaces whose inverse depths differ by 1/m.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
     const MinMaxPyramid* eye_view_ = nullptr;  ///< the view of eye rays, which most searches need

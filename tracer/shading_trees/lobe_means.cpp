@@ -28,7 +28,8 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Weight that falls to 0 at the distance `reach_px`, so that the mean changes continuously over the image.
+// Weight of one hit's rays in the other's mean: 0 from the distance `reach_px` on, so that the mean changes
+// continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -115,7 +116,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Requires `rays` sorted by `nodes_left`, because a batch of rays has one limit of bounces.
+// Requires `rays` sorted by `nodes_left` (surfaces that their paths may still hit), because a batch has one
+// limit of bounces.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

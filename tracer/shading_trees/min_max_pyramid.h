@@ -13,7 +13,7 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// Accepts values of at most top - max(least, slope * d) at distances d <= radius from `at`.
+    /// A search region: values of at most top - max(least, slope * d) at distances d <= radius from `at`.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0

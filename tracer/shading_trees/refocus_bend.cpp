@@ -98,7 +98,7 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns a Newton step of the ray's tangent, with the derivatives of the ray through the lens centre.
+    // Returns the Newton step for the ray's tangent. Uses the derivatives of the ray through the lens centre.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -155,8 +155,8 @@ bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Newton's method for rays from lens points to given surface points. A departure is a ray's deviation from
-/// linear change over the lens.
+/// Newton's method for rays from lens points to given surface points. A departure is how far a ray's tangent
+/// deviates from a linear function of the lens point.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -222,8 +222,7 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Rays that deviate little from linear change end early, because only the largest deviation is
-            // used.
+            // Rays with small deviations (departures) end early, because only the largest is used.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -249,8 +248,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // A ray's deviation from linear change is almost equal on opposite sides of the lens, because it is of
-    // second order.
+    // A ray's departure is almost equal at opposite lens points, because it is of second order. If it is
+    // small, the opposite points are skipped.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -266,7 +265,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // Negative: no ray from the lens reached the surface point, so the result is unknown (infinite).
+    // `bend` is negative if no ray from the lens reached the surface point. The result is then unknown
+    // (infinite).
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

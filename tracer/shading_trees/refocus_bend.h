@@ -1,4 +1,5 @@
-// Measures with additional rays how nonlinearly images in mirrors and glass move over the lens (`w_bend`).
+// Measures with additional rays how nonlinearly images in mirrors and glass move when the lens point moves
+// (`w_bend`).
 #pragma once
 
 #include <array>
@@ -32,7 +33,8 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position by the eye ray's slopes x / z and y / z along the raster axes.
+    /// Derivatives of the hit's world position with respect to `tangent`, the slopes x / z and y / z of the
+    /// eye ray.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -24,8 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. Only glossy reflections that are wider than the lens are averaged. If 0, all are
-    /// averaged.
+    /// Lens radius, m. Only glossy lobes that are wider than the lens are averaged over their directions. If
+    /// 0, all are averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -77,8 +77,8 @@ struct TracedSamples {
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// One entry per record, set only after a reflection or refraction.
-    /// Empty if the scene has none, or nothing brighter than white.
+    /// One entry per record, set only after a bounce, to find images of bright objects. Empty without mirrors
+    /// and glass, or without anything brighter than white.
     std::vector<Arrival> arrivals;
 };
 
@@ -96,7 +96,7 @@ class WhittedTracer {
 
     /// Traces eye rays through raster positions, px. Thread-safe. Fastest if 16 successive positions are
     /// close together.
-    /// - `around(i)`: returns earlier samples near positions[i], which save rays
+    /// - `around(i)`: returns earlier samples near positions[i], whose `w_bend` may be reused to save rays
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// Like `trace`, but computes only what decides whether a quadtree cell is subdivided: the visible
@@ -104,8 +104,8 @@ class WhittedTracer {
     /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// Deviation from linear motion over the lens, px, below which it is estimated even if neighbouring
-    /// samples differ.
+    /// If the deviation from linear motion over the lens is at most this, px, it is estimated from
+    /// neighbouring samples even if they differ.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -124,7 +124,8 @@ struct WhittedTracer::Impl {
     // them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Each hidden surface seen in a mirror or through glass becomes a new layer, without the mirror or glass.
+    // Each hidden surface seen in a mirror or through glass becomes a new layer, which does not repeat the
+    // mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
@@ -152,8 +153,8 @@ struct WhittedTracer::Impl {
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` in w.bent from earlier samples nearby, so that only points without an estimate are
-    // measured.
+    // Estimates `w_bend` of the surface points `w.bent` from earlier samples nearby. Only points without an
+    // estimate are measured.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;

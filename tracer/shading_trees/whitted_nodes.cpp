@@ -103,7 +103,8 @@ void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
         const Node& n = w.nodes[i];
         const dvec3 c = n.radiance * n.throughput;
         const std::uint32_t at = next[n.sample]++;
-        // Copies first, because a copy of fields that were just set would wait for them.
+        // Copies the record before setting fields. Otherwise the copy would stall until these fields are
+        // written.
         Record& r = out.records[at];
         r = n.record;
         r.x = static_cast<float>(w.positions[n.sample].x);
