@@ -409,9 +409,8 @@ class Field {
 }  // namespace
 
 PatchPicture::PatchPicture(int width, int height) : image(width, height) {
-    unknown.resize(image.rgb.size() / 3);
-    unknown_below.resize(unknown.size());
-    std::fill(unknown.begin(), unknown.end(), 1.0F);
+    unknown.assign(image.rgb.size() / 3, 1);
+    unknown_below.assign(unknown.size(), 0);
 }
 
 void PatchPicture::clear() {

@@ -103,9 +103,8 @@ const std::vector<AtlasCause>& atlas_causes() {
          "The method blends surfaces without testing, at each lens point, which of them is nearer.",
          "wrong occlusion"},
         {"curvature-of-W",
-         "W is the linear approximation of how images in mirrors and glass move with the lens point. It is "
-         "wrong "
-         "far from the centre of the lens.",
+         "W is the linear approximation of how images in mirrors and glass move with the lens point. "
+         "It is wrong far from the centre of the lens.",
          "wrong positions of images in mirrors and glass"},
         {"view-dependent-shading",
          "The colour of a point depends on the lens point and the instant from which it is seen. The records "

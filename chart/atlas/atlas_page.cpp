@@ -84,13 +84,14 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
 /// the share of the error that is due to the expected cause.
 std::string caption(const AtlasEntry& e) {
     const double affected = 100 * e.result.affected_share;
-    std::string out = fmt::format("Scene {}. {} % of the pixels change.", view_text(e.what.view),
-                                  affected < 0.5 ? "Fewer than 0.5" : fmt::format("{:.0f}", affected));
+    std::string out =
+        fmt::format("Scene {}. {} % of the pixels differ from the pinhole image", view_text(e.what.view),
+                    affected < 0.5 ? "Fewer than 0.5" : fmt::format("{:.0f}", affected));
     if (e.result.named_share) {
         const auto& causes = atlas_causes();
         const auto cause = std::find_if(causes.begin(), causes.end(),
                                         [&](const AtlasCause& c) { return c.word == e.what.cause; });
-        out += fmt::format(" {:.0f} % of the squared error comes from {}.", 100 * *e.result.named_share,
+        out += fmt::format("; {:.0f} % of the squared error comes from {}", 100 * *e.result.named_share,
                            cause->source);
     }
     return out + ".";

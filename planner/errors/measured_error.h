@@ -19,9 +19,9 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    double noise_variance =
-        0;                ///< variance of the difference between `noise_mse` and the actual squared noise
-    double bias_mse = 0;  ///< error of the records, estimated by check rays; may be negative
+    /// Variance of the difference between `noise_mse` and the actual squared noise.
+    double noise_variance = 0;
+    double bias_mse = 0;        ///< error of the records, estimated by check rays; may be negative
     double bias_deviation = 0;  ///< standard error of `bias_mse`
     double highlights_mse = 0;  ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
