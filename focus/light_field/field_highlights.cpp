@@ -4,37 +4,27 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
+#include "focus/light_field/merged_highlights.h"
 #include "focus/responses/depth_levels.h"
 #include "reproject/patches/patches.h"
 
 namespace postlens {
 namespace {
 
-/// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
-/// images from single lens points would show them as separate dots.
-constexpr double spread_from_px = 2;
 /// Below this blur radius, in px, light from the whole lens falls into one pixel, so visibility is tested all
 /// over the lens.
 constexpr double seen_by_all_px = 0.5;
 /// Largest area, in px^2 per 16 x 16 px, of sharp highlights that kernels spread: if unhidden, and if partly
 /// hidden in mirrors.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
-constexpr float merged_px = 0.5F;
-/// More halvings of merged_px are useless, because kernel positions are rounded to 1/16 px.
-constexpr int most_halvings = 2;
-/// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
-/// 12.92 times as fast as scene-linear radiance.
-constexpr double invisible = 0.5 / 255 / 12.92;
 /// Highlights that lie within the same small square are merged into one light source. For moving highlights,
 /// the width of the square depends on the number of instants at which they are drawn:
 /// - 1/8 px up to moments_of_eighths instants
 /// - 1/4 px up to moments_of_quarters instants
-/// - 1/2 px (merged_px) above
+/// - 1/2 px above
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// Limit for the number of light sources that represent moving highlights, one per highlight and instant. To
 /// meet it, highlights are drawn at fewer instants, but at no fewer than least_moments.
@@ -49,49 +39,6 @@ constexpr float least_radiance = 1;
 /// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;
 
-double light_of(const std::array<float, 3>& rgb) {
-    return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
-}
-
-/// Returns how far blur is shifted because an inclined surface sends more light through one side of the lens.
-glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
-    glm::dvec2 widening = radius_px_m * slope;
-    widening /= std::max(1.0, glm::length(widening));
-    return px_from_lens * (widening / -4.0);
-}
-
-/// Returns how often merged_px must be halved to make the merging of highlights invisible.
-///
-/// Merging the highlights in a square of edge a changes a pixel by L a^3 / (8 A), for radiance L and blur
-/// area A.
-int halvings(const Highlight& h, double blur_px) {
-    const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
-                 side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
-    int out = 0;
-    while (out < most_halvings && std::ldexp(static_cast<double>(merged_px), -out) > side) ++out;
-    return out;
-}
-
-/// A part of an interval, and its share of the whole.
-struct Span {
-    double middle, share;
-};
-
-/// Divides an interval at the borders of pixels.
-std::vector<Span> divided_at_pixels(double middle, double length) {
-    constexpr double least_px = 1e-3;  // shorter parts stay with their neighbour
-    std::vector<Span> out;
-    double from = middle - length / 2;
-    const double end = middle + length / 2;
-    for (double border = std::floor(from) + 1; border < end - least_px; ++border) {
-        if (border - from < least_px) continue;
-        out.push_back({(from + border) / 2, (border - from) / length});
-        from = border;
-    }
-    out.push_back({(from + end) / 2, out.empty() ? 1 : (end - from) / length});
-    return out;
-}
-
 }  // namespace
 
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
@@ -102,7 +49,7 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
         if (!light.exceeds(least_radiance)) return false;
         const double blur_px = lens.least_blur_px(light.w);
-        const bool is_blurred = blur_px >= spread_from_px;
+        const bool is_blurred = blur_px >= sharp_below_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
         // Blur kernels ignore occluders in mirrors. So sharp highlights there are reprojected, unless they
         // are too small for that.
@@ -128,53 +75,26 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, limits, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        const PatchLens lens = patch_lens(geometry);
+        MergedHighlights merged(*mesh, geometry);
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
-        struct Merged {
-            Highlight light;
-            double energy = 0;
-            std::vector<SourcePart> parts;  ///< positions: raster px
-        };
-        std::map<std::tuple<std::uint32_t, int, int, int>, Merged> merged;
         for (const Highlight& h : mesh->highlights) {
-            const double energy = light_of(h.rgb);
-            int halved = halvings(h, lens.least_blur_px(h.w));
             const SheetKey& key = mesh->sheets[h.sheet].key;
-            if (motion != nullptr && motion->moves(key)) {
-                const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
-                if (is_first) known->second = motion->moments_wanted(h, key);
-                halved = known->second <= moments_of_eighths    ? 2
-                         : known->second <= moments_of_quarters ? 1
-                                                                : 0;
+            if (motion == nullptr || !motion->moves(key)) {
+                merged.add(h);
+                continue;
             }
-            const auto square = [halved](float at) {
-                return static_cast<int>(std::floor(std::ldexp(at / merged_px, halved)));
-            };
-            const auto [found, is_new] =
-                merged.try_emplace({h.sheet, halved, square(h.x), square(h.y)}, Merged{h, energy, {}});
-            auto& [sum, weight, parts] = found->second;
-            parts.push_back({{h.x, h.y}, std::sqrt(h.area), (is_new ? 0 : parts.back().area_until) + h.area});
-            if (is_new) continue;
-            const auto share = static_cast<float>(energy / (weight + energy));
-            const auto mix = [share](float& to, float from) { to += share * (from - to); };
-            mix(sum.x, h.x);
-            mix(sum.y, h.y);
-            mix(sum.inverse_z, h.inverse_z);
-            mix(sum.slope.x, h.slope.x);
-            mix(sum.slope.y, h.slope.y);
-            mix(sum.w.xx, h.w.xx);
-            mix(sum.w.xy, h.w.xy);
-            mix(sum.w.yx, h.w.yx);
-            mix(sum.w.yy, h.w.yy);
-            for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += h.rgb[c];
-            sum.area += h.area;
-            weight += energy;
+            const auto [known, is_first] = moments.try_emplace(h.sheet, 0);
+            if (is_first) known->second = motion->moments_wanted(h, key);
+            merged.add_moving(h, known->second <= moments_of_eighths    ? 1.0 / 8
+                                 : known->second <= moments_of_quarters ? 1.0 / 4
+                                                                        : 1.0 / 2);
         }
         std::size_t moving = 0;
-        for (const auto& [place, of] : merged) moving += moments.contains(of.light.sheet) ? 1 : 0;
+        for (const auto& [place, of] : merged.all()) moving += moments.contains(of.light.sheet) ? 1 : 0;
         int most = HighlightMotion::most_moments;
         while (most > least_moments && static_cast<std::size_t>(most) * moving > most_moving) most /= 2;
-        for (const auto& [place, of] : merged) {
+        sources_.reserve(sources_.size() + merged.all().size());
+        for (const auto& [place, of] : merged.all()) {
             for (SourcePart part : of.parts) {
                 part.at -= glm::vec2(of.light.x, of.light.y);
                 parts_.push_back(part);
@@ -193,7 +113,10 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
     kernels_->build();
     group_sources();
-    rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
+    constexpr int edge = SeenTile::edge;
+    tile_columns_ = (window.width() + edge - 1) / edge;
+    tiles_.resize(static_cast<std::size_t>(tile_columns_) *
+                  static_cast<std::size_t>((window.height() + edge - 1) / edge));
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
         const Source& s = sources_[i];
         const Kernel& k = (*kernels_)[s.kernel];
@@ -202,10 +125,11 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         const Reach reach{{s.x + k.x_begin - around, s.x + k.x_end + around, s.y + k.y_begin - around,
                            s.y + k.y_end() + around},
                           i};
-        const int first = std::max(0, reach.pixels.y_begin),
-                  last = std::min(window.height(), reach.pixels.y_end) - 1;
-        for (int band = first / band_px; first <= last && band <= last / band_px; ++band)
-            rows_[static_cast<std::size_t>(band)].push_back(reach);
+        const RasterWindow in = common(reach.pixels, {0, window.width(), 0, window.height()});
+        for (int y = in.y_begin / edge * edge; y < in.y_end; y += edge) {
+            for (int x = in.x_begin / edge * edge; x < in.x_end; x += edge)
+                tiles_[static_cast<std::size_t>(y / edge * tile_columns_ + x / edge)].push_back(reach);
+        }
     }
 }
 
@@ -216,10 +140,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.u = m.u;
     s.first_part = static_cast<std::uint32_t>(parts_.size() - parts);
     s.parts = static_cast<std::uint32_t>(parts);
-    const double scale = patch_lens(geometry_).radius_px_m;
-    const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
-                                              -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
-                                              geometry_.inverse_focus_per_m - static_cast<double>(h.w.yy));
+    const glm::dmat2 map = px_from_lens(h, geometry_);
     s.px_from_lens = map;
     s.lens_from_px = glm::inverse(map);
     KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
@@ -227,7 +148,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
-    s.light = light_of(s.rgb);
+    s.light = static_cast<double>(s.rgb[0]) + static_cast<double>(s.rgb[1]) + static_cast<double>(s.rgb[2]);
     s.area = static_cast<double>(h.area);
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
@@ -235,12 +156,12 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
+    const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
     // Sharp moving highlights are divided at pixel borders, because one kernel would put all their light into
     // one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
-    for (const Span& y : divided_at_pixels(middle.y, side)) {
-        for (const Span& x : divided_at_pixels(middle.x, side)) {
+    for (const Span& y : divided_at_cells(middle.y, side, 1)) {
+        for (const Span& x : divided_at_cells(middle.x, side, 1)) {
             Source part = s;
             const glm::dvec2 at(x.middle, y.middle), whole = glm::floor(at);
             part.at += at - middle;
@@ -302,8 +223,11 @@ void FieldHighlights::group_sources() {
         g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
-    std::stable_sort(sources_.begin(), sources_.end(),
-                     [](const Source& a, const Source& b) { return a.group < b.group; });
+    // Highlights that share parts differ in their instants. std::stable_sort would copy all.
+    std::sort(sources_.begin(), sources_.end(), [](const Source& a, const Source& b) {
+        return std::tuple(a.group, a.first_part, a.u, a.y, a.x) <
+               std::tuple(b.group, b.first_part, b.u, b.y, b.x);
+    });
 }
 
 }  // namespace postlens

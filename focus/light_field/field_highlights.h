@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "focus/light_field/lens_views.h"
+#include "focus/light_field/merged_highlights.h"
 #include "focus/light_field/moving_highlights.h"
 #include "focus/responses/kernel.h"
 #include "focus/responses/response_model.h"
@@ -48,18 +49,11 @@ class FieldHighlights {
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The
-    /// rectangle must lie within one row of tiles.
+    /// rectangle must lie within one tile (SeenTile::edge).
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// One of the square highlights that are merged into one light source.
-    /// - `at`: centre of the square relative to the light source, in px
-    /// - `area_until`: area of this square plus all earlier squares of the same light source, in px^2
-    struct SourcePart {
-        glm::vec2 at{0};
-        float side = 0, area_until = 0;
-    };
     struct Source {
         int x = 0, y = 0;  ///< anchor of the kernel, image px
         std::uint32_t kernel = 0;
@@ -119,9 +113,12 @@ class FieldHighlights {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
-    static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
-    static constexpr int passing_px = 1;            ///< distance within which a moving source counts as near
-    std::vector<std::vector<Reach>> rows_;          ///< per row of tiles, the sources that reach it
+    [[nodiscard]] const std::vector<Reach>& reaching_tile(int x, int y) const {
+        return tiles_[static_cast<std::size_t>(y / SeenTile::edge * tile_columns_ + x / SeenTile::edge)];
+    }
+    static constexpr int passing_px = 1;  ///< distance within which a moving source counts as near
+    int tile_columns_ = 0;
+    std::vector<std::vector<Reach>> tiles_;  ///< per tile of the image, the sources that reach it
 };
 
 }  // namespace postlens

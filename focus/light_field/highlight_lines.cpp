@@ -80,7 +80,7 @@ glm::dvec2 FieldHighlights::point_of(const Source& s, double choice, const glm::
     const SourcePart& part = *std::lower_bound(
         parts.begin(), std::prev(parts.end()), choice * static_cast<double>(parts.back().area_until),
         [](const SourcePart& p, double until) { return static_cast<double>(p.area_until) < until; });
-    return s.at + glm::dvec2(part.at) + static_cast<double>(part.side) * (place - 0.5);
+    return s.at + glm::dvec2(part.at) + glm::dvec2(part.size) * (place - 0.5);
 }
 
 bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
@@ -93,7 +93,7 @@ bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
 std::vector<std::uint32_t> FieldHighlights::reaching(int x, int y, int width, int height) const {
     std::vector<std::uint32_t> out;
     const RasterWindow part{x, x + width, y, y + height};
-    for (const Reach& r : rows_[static_cast<std::size_t>(y / band_px)]) {
+    for (const Reach& r : reaching_tile(x, y)) {
         if (meet(r.pixels, part)) out.push_back(r.source);
     }
     return out;

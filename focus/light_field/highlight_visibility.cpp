@@ -45,7 +45,9 @@ class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
               std::vector<double> instants)
-        : of_(of), views_(views), instants_(std::move(instants)), set_(set) {}
+        : of_(of), views_(views), instants_(std::move(instants)), set_(set), all_(views.size()) {
+        std::iota(all_.begin(), all_.end(), 0U);
+    }
 
     [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
         return of_.reach(x, y, width, height);
@@ -94,6 +96,8 @@ class FieldHighlights::OverViews final : public Lights {
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
+    [[nodiscard]] double seen_share_beside(const Source& s, const TileViews& views, std::size_t pixel,
+                                           const glm::dvec2& corner) const;
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
                             std::size_t pixel) const {
         const std::size_t k = view * TileViews::view + pixel;
@@ -107,11 +111,16 @@ class FieldHighlights::OverViews final : public Lights {
     /// In the search for near lens points, a time difference of the whole exposure counts like this distance
     /// on the lens.
     static constexpr double lens_radii_of_open = 2;
+    /// Value of Part::share if some views see the highlights and others do not.
+    static constexpr float differs = -1;
+    /// The visibility of a sharp highlight is tested by an eighth of the views, at least by four.
+    static constexpr std::size_t beside_of_views = 8, least_beside = 4;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
     const std::vector<LensViewPoint>& views_;
     std::vector<double> instants_;
     int set_;
+    std::vector<std::uint32_t> all_;  ///< indices of all views
     mutable std::once_flag made_;
     mutable Tables tables_;
 };
@@ -160,9 +169,7 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
 
 FieldHighlights::OverViews::Tables FieldHighlights::OverViews::make_tables() const {
     Tables out;
-    out.always = {table_edge, nearest_of(views_, table_edge, [](std::size_t) { return 0.0; }),
-                  std::vector<std::uint32_t>(views_.size())};
-    std::iota(out.always.all.begin(), out.always.all.end(), 0U);
+    out.always = {table_edge, nearest_of(views_, table_edge, [](std::size_t) { return 0.0; }), all_};
     const bool any_moves =
         std::any_of(of_.sources_.begin(), of_.sources_.end(), [](const Source& s) { return s.u >= 0; });
     if (any_moves && instants_.size() == views_.size()) lay_timed(out.timed);
@@ -187,9 +194,8 @@ void FieldHighlights::OverViews::lay_timed(std::vector<Asked>& timed) const {
 
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
     if (sources_.empty()) return false;
-    const auto& row = rows_[static_cast<std::size_t>(y / band_px)];
     const RasterWindow part{x, x + width, y, y + height};
-    return std::any_of(row.begin(), row.end(), [&](const Reach& r) { return meet(r.pixels, part); });
+    return std::ranges::any_of(reaching_tile(x, y), [&](const Reach& r) { return meet(r.pixels, part); });
 }
 
 bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z) const {
@@ -308,9 +314,10 @@ void FieldHighlights::OverViews::ask_views(const Group& g, const TileViews& view
         for (int x = part.x0; x < part.x1; ++x) {
             const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
                                       static_cast<std::size_t>(x - views.x);
+            const double share = seen_share(g.middle, views, pixel, {x + 0.5, y + 0.5});
             part.share[static_cast<std::size_t>(y - part.y0) * SeenTile::edge +
                        static_cast<std::size_t>(x - part.x0)] =
-                static_cast<float>(seen_share(g.middle, views, pixel, {x + 0.5, y + 0.5}));
+                share > 0 && share < 1 ? differs : static_cast<float>(share);
         }
     }
 }
@@ -351,9 +358,10 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
                                       static_cast<std::size_t>(x - views.x);
             double share = value;
             if (part != nullptr) {
-                share *=
-                    static_cast<double>(part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
-                                                    static_cast<std::size_t>(x - part->x0)]);
+                const float of_part = part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
+                                                  static_cast<std::size_t>(x - part->x0)];
+                share *= of_part == differs ? seen_share_beside(s, views, pixel, glm::dvec2(x, y))
+                                            : static_cast<double>(of_part);
             } else {
                 share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
             }
@@ -379,8 +387,31 @@ double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& 
         for (const std::uint32_t v : of) seen += sees(s, views, v, pixel) ? 1 : 0;
         return static_cast<double>(seen) / static_cast<double>(of.size());
     };
+    if (s.by_all && s.u < 0) return share(all_);
     const Asked& from = asked(s);
     return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
+}
+
+/// Returns the visible part of a sharp highlight's light in one pixel. Other objects may cover a part of the
+/// pixel beside the highlight, so only views whose sample position is closest to the highlight decide.
+/// - `corner`: upper left corner of the pixel
+double FieldHighlights::OverViews::seen_share_beside(const Source& s, const TileViews& views,
+                                                     std::size_t pixel, const glm::dvec2& corner) const {
+    std::vector<std::pair<double, std::uint32_t>> by_distance;
+    by_distance.reserve(views_.size());
+    for (std::uint32_t v = 0; v < views_.size(); ++v) {
+        // Where light through the lens point of this view arrives.
+        const glm::dvec2 arrives = glm::clamp(s.at + s.px_from_lens * views_[v].lens - corner, 0.0, 1.0),
+                         away = arrives - views_[v].place;
+        by_distance.emplace_back(glm::dot(away, away), v);
+    }
+    const std::size_t count =
+        std::min(by_distance.size(), std::max(least_beside, by_distance.size() / beside_of_views));
+    std::nth_element(by_distance.begin(), by_distance.begin() + static_cast<std::ptrdiff_t>(count) - 1,
+                     by_distance.end());
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < count; ++i) seen += sees(s, views, by_distance[i].second, pixel) ? 1 : 0;
+    return static_cast<double>(seen) / static_cast<double>(count);
 }
 
 }  // namespace postlens

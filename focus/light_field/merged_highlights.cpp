@@ -1,0 +1,134 @@
+#include "focus/light_field/merged_highlights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "focus/responses/kernel.h"
+#include "reproject/patches/patches.h"
+
+namespace postlens {
+namespace {
+
+/// Width, in px, of the largest cells within which highlights of one surface are merged.
+constexpr double largest_cell_px = 0.5;
+/// Smaller cells are useless, because kernel positions are rounded to multiples of this.
+constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
+/// Largest number of cells into which all sharp highlights together are divided. If they have more area,
+/// their cells are larger.
+constexpr double most_cells = 1 << 19;
+/// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
+/// 12.92 times as fast as scene-linear radiance.
+constexpr double invisible = 0.5 / 255 / 12.92;
+
+/// Returns how wide the cells may be in which highlights are merged without visible error.
+///
+/// Merging the highlights in a cell of width a changes a pixel by L a^3 / (8 A), where L is the radiance, and
+/// A the area of blur and pixel together.
+double invisible_cell_px(const Highlight& h, double blur_px) {
+    const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
+                 area = 1 + std::numbers::pi * blur_px * blur_px,
+                 wanted = std::cbrt(8 * invisible * area / radiance);
+    double out = largest_cell_px;
+    while (out > smallest_cell_px && out > wanted) out /= 2;
+    return out;
+}
+
+double light_of(const Highlight& h) {
+    return static_cast<double>(h.rgb[0]) + static_cast<double>(h.rgb[1]) + static_cast<double>(h.rgb[2]);
+}
+
+}  // namespace
+
+std::vector<Span> divided_at_cells(double middle, double length, double cell, double first) {
+    const double least = cell / 1000;  // shorter parts stay with their neighbour
+    std::vector<Span> out;
+    double from = middle - length / 2;
+    const double end = middle + length / 2;
+    for (double i = std::floor((from - first) / cell) + 1; first + i * cell < end - least; ++i) {
+        const double border = first + i * cell;
+        if (border - from < least) continue;
+        out.push_back({(from + border) / 2, (border - from) / length});
+        from = border;
+    }
+    out.push_back({(from + end) / 2, out.empty() ? 1 : (end - from) / length});
+    return out;
+}
+
+glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry) {
+    const double s = geometry.inverse_focus_per_m;
+    return patch_lens(geometry).radius_px_m *
+           glm::dmat2(s - static_cast<double>(h.w.xx), -static_cast<double>(h.w.yx),
+                      -static_cast<double>(h.w.xy), s - static_cast<double>(h.w.yy));
+}
+
+glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry) {
+    glm::dvec2 widening = patch_lens(geometry).radius_px_m * glm::dvec2(h.slope);
+    widening /= std::max(1.0, glm::length(widening));
+    return px_from_lens(h, geometry) * (widening / -4.0);
+}
+
+MergedHighlights::MergedHighlights(const SheetMesh& mesh, const FocusGeometry& geometry)
+    : geometry_(geometry), least_cell_px_(smallest_cell_px) {
+    double area_px2 = 0;
+    for (const Highlight& h : mesh.highlights) {
+        if (patch_lens(geometry).least_blur_px(h.w) < sharp_below_px) area_px2 += static_cast<double>(h.area);
+    }
+    while (area_px2 > most_cells * least_cell_px_ * least_cell_px_) least_cell_px_ *= 2;
+}
+
+void MergedHighlights::add(const Highlight& h) {
+    const double blur_px = patch_lens(geometry_).least_blur_px(h.w),
+                 side = std::sqrt(static_cast<double>(h.area));
+    double cell_px = invisible_cell_px(h, blur_px);
+    if (blur_px >= sharp_below_px) {
+        merge(h, glm::vec2(side), cell_px, {0, 0});
+        return;
+    }
+    cell_px = std::min(std::max(cell_px, least_cell_px_), largest_cell_px);
+    // Kernel positions are cell centres, so that rounding moves no light.
+    const glm::dvec2 first_px = cell_px / 2 - inclination_shift_px(h, geometry_);
+    for (const Span& y : divided_at_cells(static_cast<double>(h.y), side, cell_px, first_px.y)) {
+        for (const Span& x : divided_at_cells(static_cast<double>(h.x), side, cell_px, first_px.x)) {
+            Highlight part = h;
+            const auto share = static_cast<float>(x.share * y.share);
+            part.x = static_cast<float>(x.middle);
+            part.y = static_cast<float>(y.middle);
+            part.area *= share;
+            for (float& channel : part.rgb) channel *= share;
+            merge(part, glm::vec2(side * x.share, side * y.share), cell_px, first_px);
+        }
+    }
+}
+
+void MergedHighlights::add_moving(const Highlight& h, double cell_px) {
+    merge(h, glm::vec2(std::sqrt(h.area)), cell_px, {0, 0});
+}
+
+void MergedHighlights::merge(const Highlight& h, const glm::vec2& size, double cell_px,
+                             const glm::dvec2& first_px) {
+    const glm::ivec2 cell(glm::floor((glm::dvec2(h.x, h.y) - first_px) / cell_px));
+    const double energy = light_of(h);
+    const auto [found, is_new] = merged_.try_emplace(
+        {h.sheet, static_cast<int>(std::lround(1 / cell_px)), cell.x, cell.y}, Merged{h, energy, {}});
+    auto& [sum, weight, parts] = found->second;
+    parts.push_back({{h.x, h.y}, size, (is_new ? 0 : parts.back().area_until) + h.area});
+    if (is_new) return;
+    const auto share = static_cast<float>(energy / (weight + energy));
+    const auto mix = [share](float& to, float from) { to += share * (from - to); };
+    mix(sum.x, h.x);
+    mix(sum.y, h.y);
+    mix(sum.inverse_z, h.inverse_z);
+    mix(sum.slope.x, h.slope.x);
+    mix(sum.slope.y, h.slope.y);
+    mix(sum.w.xx, h.w.xx);
+    mix(sum.w.xy, h.w.xy);
+    mix(sum.w.yx, h.w.yx);
+    mix(sum.w.yy, h.w.yy);
+    for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += h.rgb[c];
+    sum.area += h.area;
+    weight += energy;
+}
+
+}  // namespace postlens

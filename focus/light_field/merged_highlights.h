@@ -1,0 +1,73 @@
+// Merges the many small squares of light that a bright surface is recorded as into fewer light sources.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "lens/focus_geometry.h"
+#include "reproject/sheets/sheet_mesh.h"
+
+namespace postlens {
+
+/// A highlight is sharp if its smallest blur radius is below this, in px. The mean of images from single lens
+/// points would show less sharp ones as separate dots.
+constexpr double sharp_below_px = 2;
+
+/// A part of an interval, and its share of the whole.
+struct Span {
+    double middle, share;
+};
+/// Divides an interval at the borders of cells. Cell i extends from first + i * cell to first + (i + 1) *
+/// cell.
+[[nodiscard]] std::vector<Span> divided_at_cells(double middle, double length, double cell, double first = 0);
+
+/// One of the rectangles of light that are merged into one light source.
+/// - `at`: centre, px; in MergedHighlights in the raster, in FieldHighlights relative to the light source
+/// - `area_until`: area of this rectangle plus all earlier ones of the same light source, in px^2
+struct SourcePart {
+    glm::vec2 at{0}, size{0};
+    float area_until = 0;
+};
+
+/// Returns the displacement, in px, of a highlight's image per lens radius of displacement of the lens point.
+[[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
+
+/// Returns how far a highlight's blur is shifted, in px, because an inclined surface sends more light through
+/// one side of the lens.
+[[nodiscard]] glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry);
+
+/// Highlights of the same surface and the same small cell of the raster, merged into one light source. Cells
+/// are as large as the radiance allows without visible error.
+class MergedHighlights {
+  public:
+    struct Merged {
+        Highlight light;  ///< position and depth: means, weighted by light
+        double energy = 0;
+        std::vector<SourcePart> parts;
+    };
+    /// `mesh` and `geometry` must outlive this object.
+    MergedHighlights(const SheetMesh& mesh, const FocusGeometry& geometry);
+
+    /// Adds a highlight of a static surface. If it is sharp, it is divided at the borders of cells, so that
+    /// its light keeps its shape.
+    void add(const Highlight& h);
+    /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
+    void add_moving(const Highlight& h, double cell_px);
+
+    /// Key: sheet, cells per pixel, column and row of the cell.
+    [[nodiscard]] const std::map<std::tuple<std::uint32_t, int, int, int>, Merged>& all() const {
+        return merged_;
+    }
+
+  private:
+    /// `first_px`: position of one corner of a cell
+    void merge(const Highlight& h, const glm::vec2& size, double cell_px, const glm::dvec2& first_px);
+    const FocusGeometry& geometry_;
+    double least_cell_px_;
+    std::map<std::tuple<std::uint32_t, int, int, int>, Merged> merged_;
+};
+
+}  // namespace postlens
