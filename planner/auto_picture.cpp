@@ -24,8 +24,9 @@ namespace {
 /// 8 views, whose difference shows the noise.
 constexpr int first_views = 16;
 
-/// Largest factors by which the number of views may grow to narrow the confidence interval: with rays,
-/// without rays.
+/// Once the image meets its target error, more views are drawn to narrow the 95 % confidence interval of this
+/// error. The number of views grows at most by the factor `most_narrowing` if rays are traced, otherwise by
+/// `most_narrowing_of_noise`.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -185,8 +186,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views reduce the noise, but not the error of highlights, so the noise need not be far
-            // below that error.
+            // More views do not reduce the error of the highlights. So the goal for the image's error is
+            // never set below half the error of the highlights.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -198,8 +199,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             const bool is_first = most_samples == 0;
             if (is_first)
                 most_samples = drawn * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
-            // After one or two rounds of drawing views, the errors of single tiles are inaccurate, so all
-            // tiles get more views.
+            // With 32 views per tile or fewer, the error measured in one tile is too inaccurate to choose
+            // tiles by it. So the number of views is doubled in every tile.
             const bool all = is_first && drawn <= 2.0 * first_views * grid.width * grid.height;
             next = all ? doubled_for(0) : narrowed(wanted, measured.tiles, grid, error, most_samples);
         }

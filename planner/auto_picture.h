@@ -35,8 +35,8 @@ struct AutoResult {
     /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
     /// determine. Set only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene: squared noise, and an upper bound of noise plus errors at edges and missing
-    /// surfaces.
+    /// Set only without a scene, when no rays can measure the image's squared error. `noise_mse` is the part
+    /// due to noise, `bound_mse` an upper bound of the whole error.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

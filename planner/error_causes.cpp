@@ -20,8 +20,8 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is wrong if the sRGB value of some channel differs from the reference image by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A possible cause of a pixel's error is confirmed if an image made without this cause has at most half the
-/// error. The limit applies to squared errors.
+/// To test a possible cause of a pixel's error, an image is made without this cause. The cause is confirmed
+/// if the squared error is then at most a quarter, that is, the error at most half.
 constexpr double explained = 0.25;
 /// A cause of a pixel's error is accepted if it is estimated to explain at least this fraction of the
 /// measured squared error. The effect of too widely spaced samples is often underestimated, so the limit for
@@ -119,8 +119,8 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns why an image has an error that the mean of many views (images from different lens points) does not
-/// have.
+/// Returns the cause of a pixel's error if the mean of many views (images from different lens points) does
+/// not have this error. The cause then lies in the method that made the image.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -151,8 +151,9 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // Reference with correct occlusion and motion: if it is much better than the image, the image's method
-    // caused the error.
+    // For comparison, makes an image from the same records as the mean of many views, a method with correct
+    // occlusion and motion. If a pixel is much better in this image, the method of the tested image caused
+    // the pixel's error.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -188,7 +189,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Traces the scene again only if much of the error is unexplained, because this is expensive.
+    // Tracing the scene again is expensive, so it is done only if the images made above (`seen` and `finer`)
+    // leave much of the error unexplained.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -225,8 +227,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Few surfaces were missing, so the trial corrected the pixel by new colours, not by new
-            // surfaces.
+            // This trial recorded the scene at more instants. Hardly any surface was missing in the pixel
+            // before, so new colours removed the error, not new surfaces.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

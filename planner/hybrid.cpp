@@ -98,8 +98,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from recorded colours and rays. Measures the error of the recorded colours. If it is not
-/// small compared with the noise, rays replace all recorded colours in the tiles with the largest errors.
+/// Makes the image from recorded colours and rays, and measures the error of the recorded colours. In tiles
+/// where this error is large compared with the noise, rays replace all recorded colours.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

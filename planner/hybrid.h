@@ -28,8 +28,8 @@ struct HybridSettings {
     /// The scene from which the file was traced. Rays into it replace samples whose colours the file does not
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// If set, chooses the views whose colour in pixel (x, y) is compared with a ray. HybridResult::stated is
-    /// then empty.
+    /// Optional: appends to `views` the indices of the views in which a ray checks the recorded colour of
+    /// pixel (x, y). If set, no error is measured, and HybridResult::stated is empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
@@ -38,14 +38,14 @@ struct HybridResult {
     /// Fraction of the pixels of the image or crop that the method `scatter` computed. It is 0 with a scene,
     /// because `scatter` is not used then.
     double scattered_share = 0;
-    /// Fraction of the pixels that need a new trace of the scene, because light is missing or misplaced. Set
-    /// only without HybridSettings::scene.
+    /// Fraction of the pixels in which light is missing or misplaced, so that the scene should be traced
+    /// again. Set only if HybridSettings::scene is null.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
-    /// For each pixel of the whole image, set only with a scene: fraction of traced samples (`traced`);
-    /// colour differences between rays and file (`checks`).
+    /// For each pixel of the whole image; set only with a scene. `traced` is the fraction of the pixel's
+    /// samples that are rays; `checks` compares rays with recorded colours.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was computed: 0 as a mean over lens points, 1 by the method

@@ -62,7 +62,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // Width of a pixel of the planned trace, in pixels of the preview.
+    // Width of a pixel of the planned trace, in pixels of the preview. A preview pixel is `coarser` times as
+    // wide.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -95,8 +96,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2. Variance of their light:
-                // 2^L (4^-L)^2 = 2^-3L.
+                // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2. The errors of the cells'
+                // light are independent and proportional to the area, so their sum has the variance 2^L
+                // (4^-L)^2 = 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -105,8 +107,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // Errors of cells along an edge are equal if it is aligned with the quadtree, independent if
-            // slanted. Squared error at level L:
+            // At quadtree level L, an edge crosses 2^L cells, and each cell's error is proportional to its
+            // area 4^-L. Along an edge aligned with the quadtree, the errors are equal and add up. Along a
+            // slanted edge, they are independent, so their squares add up. Squared error:
             // - aligned: (2^L 4^-L)^2 = 2^-2L
             // - slanted: 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
@@ -174,7 +177,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Overscan is in pixels of the preview, which are `coarser` times as wide as the image's pixels.
+    // The preview's overscan is in preview pixels, which are `coarser` times as wide as the image's pixels.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
@@ -185,8 +188,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
-    // Hidden surfaces are traced up to a margin beside edges. In the preview, this margin is `coarser` times
-    // as wide.
+    // Hidden surfaces are traced in a strip beside each edge, as wide as the reach of the lens plus a margin
+    // in pixels. Preview pixels are `coarser` times as wide, so the planned trace has a strip narrower by
+    // this factor.
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());

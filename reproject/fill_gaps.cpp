@@ -67,8 +67,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // Gives known pixels full weight, to keep their colours. Unknown colours may be infinite or NaN, so they
-    // are set to black.
+    // Known pixels get weight 1, so that filling keeps their colours. Unknown pixels are set to black,
+    // because an infinite or NaN colour would spread to its neighbours.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, rays replace all samples of mirrors and glass if fewer than half of these samples
-/// were reprojected accurately.
+/// If, after this many views, fewer than half of the samples that show mirrors or glass were reprojected
+/// accurately, rays trace all of these samples.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -326,7 +326,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view with a single recorded instant and no vignetting. Faster than add_some.
+    /// Adds the colours of a view to the sums of all its pixels. Only for views without vignetting that are
+    /// reprojected from a single recorded instant. Faster than add_some, which handles every view.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

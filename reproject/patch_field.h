@@ -39,7 +39,8 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Values for the rays that are traced for this view; SightLine documents them.
+    // Lens point, instant and random seed of the rays that are traced for this view, in the units of
+    // SightLine.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -72,15 +73,15 @@ struct PatchViews {
     /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
     /// If null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns which samples rays replace in the image square that contains pixel (x, y). Default:
-    /// LeftToRays::unsure.
+    /// Returns which samples are replaced by rays in the image square that contains pixel (x, y). If this
+    /// function is empty: LeftToRays::unsure.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Selects the views in which rays check the recorded colour of pixel (x, y), and appends their indices
-    /// to `views`. Optional; requires `rays`.
+    /// Optional: appends to `views` the indices of the views whose recorded colour in pixel (x, y) is
+    /// compared with a ray, to measure the error. Requires `rays`.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Returns the probability with which pixel (x, y) was chosen to compare its highlights with aimed rays;
-    /// 0 if not chosen. Optional; requires `checked`.
+    /// Optional: selects pixels in which rays aimed at the highlights measure the highlights' error. Returns
+    /// the probability with which pixel (x, y) was selected, or 0 if it was not. Requires `checked`.
     std::function<double(int x, int y)> aimed;
     /// Index of the output image, in the argument `out` of patch_field, that stores the mean of these views.
     /// Several sets of views (PatchViews) may have the same index, if they draw different squares of the
@@ -93,8 +94,8 @@ struct PatchField {
     /// Returns the number of an object's motion group; the objects of a group move alike. Needed only if
     /// objects move or `class_marks` is set.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each group of objects (motion_class), the bits set in PatchPicture::touched where it may change a
-    /// pixel; 0 for groups at rest. If empty, `touched` is not computed.
+    /// Bit mask of each group of objects (motion_class); 0 for a group at rest. PatchPicture::touched stores,
+    /// for each pixel, the bits of all groups that may change the pixel. If empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// The image is divided into squares, which are drawn in parallel. This is the edge of a square in px:
@@ -106,22 +107,22 @@ struct PatchField {
     /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
     /// traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Half width and height of the lens, in m, times the film distance in px. Required with rays or
-    /// highlights.
+    /// Half width and height of the lens, in m, times the film distance in px: the largest x and y of
+    /// LensShift::lens_px. Required with rays or highlights.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// For each view (image for one lens point and instant): the nearest surface in each pixel of a square of the
-/// image. If a view blends two recorded instants, only the surfaces of the first, PatchView::uses[0], are
-/// stored.
+/// The nearest surface in each pixel of an image square, for each view (image for one lens point and
+/// instant). If a view blends two recorded instants, only the surface of the first one, PatchView::uses[0],
+/// is stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
     static constexpr std::size_t view = row * row;      ///< stride from one view to the next
     std::vector<float> inverse_z;                       ///< 1/m; -1 if nothing is recorded
     std::vector<std::uint32_t> texel;
-    /// Directly visible patches (planar parts of surfaces) that may cover this image square from any lens
-    /// point, nearest first. Null if objects move.
+    /// The directly visible patches (planar parts of surfaces) that any lens point may see in this square of
+    /// the image, nearest first. Null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
@@ -174,8 +175,8 @@ struct HighlightCheck {
     std::array<float, 3> aimed_sum{};  ///< sum along the rays that are aimed at the highlights
     std::uint32_t aimed = 0;           ///< number of these rays
     float aimed_share = 0;             ///< the result of PatchViews::aimed
-    /// Returns the error of this pixel's highlights: their light according to the rays aimed at them, minus
-    /// their light in the image. 0 if no rays were aimed at them.
+    /// Returns the error of the highlights' light in this pixel: the mean of the rays that are aimed at the
+    /// highlights, minus the light in the image. Returns 0 without rays.
     [[nodiscard]] double residual(std::size_t channel) const {
         return aimed > 0
                    ? static_cast<double>(aimed_sum[channel]) / aimed - static_cast<double>(light[channel])
@@ -192,8 +193,8 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// For each pixel: weighted fraction of the views whose reflection or refraction is missing. Views whose
-    /// missing light is known to be dark count less.
+    /// Per pixel: fraction of the views, by weight, in which a reflection or refraction is missing. A view
+    /// counts less if the missing light is darker than the pixel wherever it is recorded.
     std::vector<float> unknown_below;
     /// Per pixel: weighted fraction of the views whose colour comes from a traced ray. Empty without a ray
     /// tracer.
@@ -206,16 +207,16 @@ struct PatchPicture {
     /// Per pixel: squared radiance of the highlights, averaged over all lens points (fourth value of
     /// Lights::add). Empty if the image has no highlights.
     std::vector<float> light_square;
-    /// Per pixel: the bits in PatchField::class_marks of all groups of objects that may change it; all bits
-    /// where this is unknown.
+    /// Per pixel: the bits of all groups of objects that may change the pixel by their motion
+    /// (PatchField::class_marks). All bits are set where this is unknown.
     std::vector<std::uint8_t> touched;
 };
 
-/// Makes each image of `out` (field.width x field.height px) as the mean of its views (images for one lens
-/// point and instant). Squares without views keep their values. The result is bit-identical for any number of
-/// threads.
+/// Computes each image of `out` (field.width x field.height px) as the mean of its views (images for one lens
+/// point and instant). Squares of the image in which no view is drawn keep their values. The result is
+/// bit-identical for any number of threads.
 ///
-/// The sets of views may be divided among several calls. With rays and moving objects, the result may then
+/// Several calls may each draw some of the sets of views. With rays and moving objects, the result may then
 /// differ, because each call estimates the objects' paths from its own views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 

@@ -1,5 +1,5 @@
-// Rigid motion in raster coordinates: a 4x4 matrix maps a point's raster position and depth from one instant
-// to another.
+// How rigid motion of an object or of the camera changes the image: a 4x4 matrix maps the raster position and
+// depth of a surface point from one instant to another.
 #pragma once
 
 #include <functional>

@@ -22,8 +22,8 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// `set` and `view` are the random seed of the ray; `view` is its number within the set. Rays of the same
-    /// set have stratified samples of lights and scattering lobes; different sets are independent.
+    /// Seed of the ray's random numbers. Rays of the same `set` with different `view` have stratified samples
+    /// of lights and scattering lobes. Rays of different sets are independent.
     std::uint32_t set = 0, view = 0;
 };
 
@@ -64,12 +64,13 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Computes each ray's scene-linear RGB radiance, without the highlights that `less` describes.
-    /// Thread-safe; rays do not affect each other's results.
+    /// Computes each ray's scene-linear RGB radiance. Leaves out the bright light that `less` describes,
+    /// because the image gets this light from the lens's point spread function. Thread-safe; rays do not
+    /// affect each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Computes, for ray i, only the highlight radiance of surface of[i], which `trace` leaves out because of
-    /// `less`.
+    /// Computes, for ray i, only the bright light of surface of[i] that `less` describes, i.e. the light that
+    /// `trace` leaves out.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -80,9 +81,8 @@ class SightRays {
     /// True if a point of the object has the same radiance for all rays that reach it by `path`. False if the
     /// radiance is estimated from random samples of lights or scattering lobes.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns the cost of a ray: the number of reflected or transmitted patches (planar parts of surfaces)
-    /// that can be drawn in the same time. If more patches per pixel would have to be drawn, rays are traced
-    /// instead.
+    /// Returns how many reflected or transmitted patches (planar parts of surfaces) can be drawn in the time
+    /// that one ray takes. If a pixel would need more patches, rays are traced instead.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

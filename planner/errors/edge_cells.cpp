@@ -98,7 +98,8 @@ double SpreadLight::error(double variance_share) const {
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // An inaccurate position of the highlight displaces the rim of its circle of confusion.
+    // Edges cross the highlight's cells at unknown positions, so the highlight may be displaced by about
+    // `moved_px`. The rim of its circle of confusion is then displaced by the same distance.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -112,8 +113,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // For shading a x^2 + b y^2 + c x y, the corners' mean is wrong by (a + b) / 6. Only c is measured;
-    // assumes a = b = c / 2.
+    // Without an edge, the shading of a cell is a x^2 + b y^2 + c x y, and the mean of the four corners
+    // differs from the mean over the cell by (a + b) / 6. The corners determine only c, so a + b = c is
+    // assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -14,8 +14,8 @@ namespace postlens {
 /// A random straight edge divides a unit square. The fraction of the four corners on one side estimates the
 /// area of this side, with this mean squared error.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Mean squared error of an estimated area. An edge parallel to a side divides a unit square. The area on one
-/// side of the edge is estimated by the fraction of the four corners that lie there.
+/// An edge parallel to a side divides a unit square at a random position. The fraction of the four corners on
+/// one side of the edge estimates the area of this side, with this mean squared error.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the
@@ -38,8 +38,8 @@ struct CellStep {
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
     double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
-    /// Largest and smallest scene-linear value of the cell's corners. Both are values of the same colour
-    /// channel, the one with the largest value.
+    /// `high` is the largest scene-linear value of any colour channel at the cell's four corners. `low` is
+    /// the smallest value of the same channel there.
     double high = 0, low = 0;
 };
 
@@ -49,8 +49,9 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. `variance_share` multiplies the variance
-    /// of the light, to predict other quadtree levels.
+    /// Returns the squared error of sRGB values, summed over all pixels to which the lens spreads the cells'
+    /// light. `variance_share` scales the variance of this light, to predict the error with larger or smaller
+    /// cells.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -34,12 +34,12 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Adds the image's lens and shutter to the settings of a new trace. The trace then also records the hidden
-/// surfaces that this lens sees, and instants of this exposure.
+/// Changes the settings of a new trace to the lens and shutter of the image. The trace then records the
+/// hidden surfaces that this lens sees, at instants of this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // Converts the image's f-number (focal length / lens diameter) to that of a trace (film distance /
-        // lens diameter).
+        // A trace has no focal length, so its f-number is film distance / lens diameter. The image's f-number
+        // (focal length / lens diameter) is converted to this.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

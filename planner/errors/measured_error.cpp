@@ -33,8 +33,9 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return out;
 }
 
-/// Differences between the colours of traced rays and the image in one pixel, per channel, in sRGB values.
-/// `a` and `b` are measured in two independent halves of the views (images from different lens points).
+/// Error of one pixel according to rays: colour of the rays minus colour of the image, per channel, in sRGB
+/// values. `a` is measured in one half of the views (images from different lens points), `b` in the second,
+/// independent half.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
@@ -43,8 +44,9 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the sRGB differences between rays and the sample file, by the slope of the sRGB curve. This linear
-/// conversion keeps noise from causing bias.
+/// Returns the colour of the rays minus the recorded colour, per half of the views, as a difference of sRGB
+/// values. The linear difference is multiplied by the slope of the sRGB curve at the pixel's colour, because
+/// the curve itself would turn noise into bias.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -106,8 +108,8 @@ struct ChosenSum {
     }
 };
 
-/// Mean of products of residuals. Its variance has a lower bound, because a few pixels may miss rare large
-/// errors.
+/// Mean squared error of pixels. For each pixel, the residual in one half of the views is multiplied by the
+/// residual in the second half. Few pixels may miss rare large errors, so the variance has a lower bound.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -162,8 +164,9 @@ class TileMeasurement {
             const double noise = of_piece / pixels;
             out.error.noise_mse += noise;
             // Let d be half the difference between the two halves of the views, and e the error of their
-            // mean. d and e are independent normal variables of the same variance n, so the variance of e^2 -
-            // d^2 is 4 n^2. The expectation of 4/3 d^4 is also 4 n^2.
+            // mean. `noise` is d^2, an estimate of e^2. Since d and e are independent and normal with the
+            // same variance n, e^2 - d^2 has the variance 4 n^2. n is unknown, but 4/3 d^4 has the
+            // expectation 4 n^2.
             out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
         out.error.bias_mse = out.views.mean();
@@ -249,8 +252,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The variance of n stratified rays at outlines is proportional to n^(-5/4) [mitchell1996]; each
-            // half has n = views / 2 rays.
+            // The mean of n stratified rays at an outline has the variance of_ray n^(-5/4) [mitchell1996].
+            // Each half of the views has n = views / 2 rays; the mean of the two halves has half this
+            // variance.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

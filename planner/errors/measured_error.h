@@ -49,9 +49,10 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use);
 
-/// Selects tiles by decreasing `value` until the values of the other tiles sum to at most `most`. Returns 1
-/// for selected tiles.
-/// - `value(tile, share)`: `share` is the tile's fraction of the image
+/// Selects the fewest tiles such that the values of all unselected tiles sum to at most `most`. Returns, for
+/// each tile, 1 if selected and 0 if not.
+/// - `value(tile, share)`: returns the value of a tile, for example its part of the image's error; `share` is
+///   the tile's fraction of the image's area
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -72,8 +73,8 @@ template <typename Value>
     return out;
 }
 
-/// Estimates the squared noise of each tile's highlights when traced with `views` rays per pixel.
-/// - `a`, `b`: the two halves of the views
+/// Estimates each tile's squared noise if rays trace the highlights, with `views[tile]` rays per pixel.
+/// - `a`, `b`: the two halves of the image's views, from which the variance of a single ray is estimated
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 

@@ -12,15 +12,17 @@
 
 namespace postlens {
 
-/// Returns the factor by which blur reduces the squared error of sparse samples at an edge. Smaller if the
-/// edge is `aligned` with the quadtree.
+/// Sparse samples cause an error at edges. Returns the factor by which averaging over a circle of confusion,
+/// of diameter `coc_px`, reduces the squared error. The factor is smaller for an edge `aligned` with the
+/// quadtree, because errors along this edge are equal.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor, fitted to measurements, by which the squared error increases because the samples miss some edges.
+/// Samples miss some edges entirely, so the estimated squared error at edges is multiplied by this factor.
+/// Fitted to measurements.
 inline constexpr double floor_unseen = 1.4;
 
-/// Estimates the squared error of each pixel's sRGB value due to edges. The samples show which quadtree cell
-/// contains an edge, but not where.
+/// Estimates the squared error of each pixel's sRGB value at edges. Samples at the corners of a quadtree cell
+/// show that an edge crosses the cell, but not where.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);

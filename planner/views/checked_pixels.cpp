@@ -36,13 +36,14 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // With this many views, rays check the highlights of every pixel. With fewer views, they check a
-    // proportional fraction of the pixels.
+    // If an image has at least this many views, rays check the highlights in all pixels. With fewer views,
+    // rays check the highlights in a proportionally smaller fraction of the pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Coprime to pixels(), so that all pixels of a block get different ranks; those of low rank are checked.
+    // Each pixel of a block gets a rank, and rays check the `chosen` pixels of lowest rank. All ranks differ,
+    // because `step` is coprime to the number of pixels.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

@@ -20,9 +20,10 @@ class CheckedPixels {
     /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends to `out` the lens points for which a ray checks the colour of pixel (x, y), as indices
-    /// relative to `first`.
-    /// - `set`, `first`, `count`: chooses among the points [first, first + count) of a set of lens points
+    /// Chooses some lens points from which rays check the colour of pixel (x, y), and appends their indices
+    /// to `out`.
+    /// - `set`, `first`, `count`: the lens points to choose from are numbers [first, first + count) of this
+    ///   set; index 0 is point `first`
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
     /// Returns the probability with which pixel (x, y) was chosen to compare its highlights with rays, or 0
     /// if it was not chosen.

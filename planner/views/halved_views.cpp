@@ -64,8 +64,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Key: range [first, end) of lens points to draw. Value: numbers of the lens-point sets in which this
-        // range is needed.
+        // Squares of the image use different sets of lens points. For each range [first, end) of lens points
+        // to draw: the numbers of the sets from which some square needs this range.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

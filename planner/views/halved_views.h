@@ -23,7 +23,8 @@ namespace postlens {
 class HalvedViews {
   public:
     /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first set of lens points; this object uses 122 sets from there on
+    /// - `first_set`: number of the first of the 122 sets of lens points that this object uses; neighbouring
+    ///   squares of the image use different sets
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
     /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two

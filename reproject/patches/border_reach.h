@@ -20,7 +20,8 @@ class BorderReach {
   public:
     /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Returns whether a surface from beyond the border of the recorded image may appear in the tile `at`.
+    /// Returns whether the lens or motion may bring a surface from beyond the border of the recorded image
+    /// into the tile `at`.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
     /// Finds the pixels of a view that a surface from outside the recorded image may cover, assuming that the
     /// recorded surfaces at the border continue. Writes the inverse depth of the assumed surface to
@@ -33,8 +34,8 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// Bounds how far, in px, the image of a surface point moves if a view's lens point sees it instead of
-    /// the pinhole.
+    /// Upper bound, over all added views, of how far the image of a surface point is displaced when a lens
+    /// point sees it instead of the pinhole. In px.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();
@@ -48,8 +49,8 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement in any view of the image pixels at this side: into the image, and along the
-        /// side.
+        /// Largest displacement of a border pixel in any view: `deepest_px` from the border into the image,
+        /// `sideways_px` along the border.
         double deepest_px = 0, sideways_px = 0;
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);

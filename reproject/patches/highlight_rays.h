@@ -18,8 +18,9 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Traces rays to measure the error of `light`, the highlights' light in the image, and stores it in
-    /// `sums`. Rays that are not in `sums` are counted in `checks`.
+    /// Compares `light`, the highlights' light in the image, with rays aimed at the highlights, and stores
+    /// the result in `sums`. First, a few rays decide how many rays each pixel needs; these few rays are only
+    /// counted, in `checks`.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

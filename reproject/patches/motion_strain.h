@@ -11,10 +11,11 @@
 
 namespace postlens {
 
-/// Computes an upper bound of how much motion distorts the image of a part of an object's surface during the
-/// exposure. Used as PatchLens::motion.
+/// While an object moves, the image of a part of its surface is stretched and bent. Computes the largest
+/// distortion of this part during the exposure. Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// For each of `strain_views` instants: one motion for each group of objects that move alike.
+    /// The tested motions, at about `strain_views` instants of the exposure: views[i][g] moves the objects of
+    /// group g, which move alike, from the time of recording to instant i.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

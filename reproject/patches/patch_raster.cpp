@@ -14,8 +14,8 @@ namespace {
 /// edge-on, and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of an image row that SIMD code processes together. `few_lanes` is used if the drawn
-/// patch covers at most 8 samples of each row, `most_lanes` otherwise.
+/// SIMD code processes this many neighbouring samples of an image row together: `few_lanes` for a patch at
+/// most 8 samples wide, `most_lanes` for a wider patch.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
@@ -71,8 +71,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Sets bit n of the result if the patch covers sample `begin` + n and is nearer there than inverse depth
-/// there[n].
+/// Tests `lanes` samples of an image row. Bit n of the result is set if the patch covers sample `begin` + n,
+/// and if its inverse depth exceeds there[n], the inverse depth drawn there before.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {

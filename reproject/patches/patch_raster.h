@@ -78,8 +78,8 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches an 8 x 8 px block with a
-    /// pixel passed to `add`.
+    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches a block that contains an
+    /// added pixel.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -105,14 +105,16 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels that show a mirror or glass, where surfaces seen by reflection or transmission are drawn.
+/// The pixels in which surfaces seen by reflection or transmission are drawn, because a mirror or glass is
+/// visible there.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// True if the mirror or glass is not recorded in some pixels. Their element of `in` is in_gap(id) of an
-    /// object in front.
+    /// True if the mirror or glass in which a surface is seen was not recorded in some pixels. There, `in`
+    /// stores in_gap(id) instead, with the id of the object through which the ray reaches this mirror or
+    /// glass.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -132,9 +134,9 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
 /// separately from the mirror or glass.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch that is seen in a mirror or through glass, with a depth test, in the pixels of `wanted`.
-/// Draws nothing if a recorded pixel would be stretched to more than `largest_torn_px` px. `out` must come
-/// from find_wanted.
+/// Draws a patch that is seen in a mirror or through glass into the pixels of `wanted`, with a depth test.
+/// Leaves the patch out if reprojection stretches its pixels to more than `largest_torn_px` px. `out` must
+/// come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

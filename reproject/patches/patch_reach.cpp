@@ -26,8 +26,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // The margin of 0.25 px covers the overlap of neighbouring patches; 1e-6 of position and displacement
-    // covers rounding errors.
+    // The rectangle is widened by 0.25 px, because neighbouring patches overlap, and by 1e-6 of its position
+    // and displacement, because these values are rounded.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

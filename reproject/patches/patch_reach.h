@@ -31,9 +31,9 @@ struct PatchReach {
     }
 };
 
-/// Computes the bounding rectangle of a patch (planar part of a surface) as a function of the lens point that
-/// sees it. `farthest_px`: largest |x| and |y| of all lens points (LensShift::lens_px). `shift_px`: largest
-/// displacement of infinitely distant points in the image.
+/// Computes the bounding rectangle of a patch (planar part of a surface) for all lens points.
+/// - `farthest_px`: largest |x| and |y| of the lens points (LensShift::lens_px)
+/// - `shift_px`: largest displacement of infinitely distant points in the image
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

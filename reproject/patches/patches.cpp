@@ -20,8 +20,9 @@ constexpr double most_back = 0.02;
 /// drawn in a single colour. If the circle is distorted to an ellipse, the smaller semi-axis counts.
 constexpr double coarse_from_px = 6;
 
-/// Fits a plane by least squares to the planes of several pixels, each sampled at four points, +-1/4 px
-/// from its centre.
+/// Each pixel of a surface has its own plane: inverse depth, and possibly W, as linear functions of the
+/// position. Fits one plane to several pixels by least squares, at four points of each pixel, +-1/4 px from
+/// its centre.
 template <std::size_t values>
 class Fit {
   public:
@@ -51,9 +52,9 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted planes and a pixel's recorded `planes`, tested at
-    /// four points of the pixel. Only values that determine positions are compared: inverse depth or, if
-    /// stored, the entries of W (motion with the lens point).
+    /// Returns the largest difference between the fitted plane and the pixel's own plane, at four points of
+    /// the pixel. Compares only values that determine positions: W (motion with the lens point) if stored,
+    /// otherwise inverse depth.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -105,8 +106,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Calls `visit` for each pixel of a rectangle that the surface covers, until it returns false. Returns
-    /// whether all were visited.
+    /// Calls `visit` for each pixel of a rectangle that the surface covers. Stops and returns false as soon
+    /// as `visit` returns false; otherwise returns true.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -161,8 +162,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Only directly visible surfaces store one value (inverse depth). Those in mirrors or glass are not
-        // tested for distortion by motion.
+        // Only directly visible surfaces (values == 1) are tested for distortion by motion, not those in
+        // mirrors or glass (values == 5).
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -195,8 +196,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // back_per_m is limited, because for small apertures the allowed error of inverse depth,
-            // `within`, becomes huge.
+            // Depth tests move this surface back by 2 * within, the depth error of two patches. With a small
+            // aperture, `within` is huge, so the distance is limited.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -222,8 +223,9 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // Computes the smaller singular value of I/s - w, with the unit matrix I and the focus distance s. `w`
-    // describes how the image of the surface point moves with the lens point.
+    // If the lens point moves by q, the image of the surface point moves by (I / s - w) q, with the unit
+    // matrix I and the focus distance s. So the image of a circular lens is an ellipse, whose smaller
+    // semi-axis is given by the smaller singular value of I / s - w.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
@@ -360,8 +362,8 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // Divides patches close to the light's inverse depth, `light_per_m`, because their projection from
-        // the light is singular there.
+        // At the depth of the bright point, the map from the patch to the pixels is singular. Close to this
+        // depth, the map is far from linear, so the patch is divided.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

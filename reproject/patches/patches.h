@@ -16,7 +16,8 @@
 
 namespace postlens {
 
-/// Largest distortion of a patch (part of a surface) by motion during the exposure.
+/// Largest effect of motion during the exposure on the image of a patch (part of a surface): displacement per
+/// error of inverse depth (`px_m`), and deviation from an affine map (`bend_px`).
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -37,23 +38,24 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns the largest distortion that motion causes in a part of a surface. This function is empty if
-    /// nothing moves.
+    /// Returns the largest distortion of a part of a surface by motion during the exposure. Empty if nothing
+    /// moves.
     /// - `middle`: centre of the part
-    /// - `slope`: gradient of its inverse depth, per px
-    /// - `reach`: half its size, in px
+    /// - `slope`: gradient of the part's inverse depth, per px
+    /// - `reach`: half width and height of the part, in px
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius, in px, of the circle of confusion (smaller semi-axis of an ellipse). `w`:
-    /// Record::w of the surface.
+    /// Returns the radius of the circle of confusion, in px. A curved mirror may distort the circle to an
+    /// ellipse; then its smaller semi-axis is returned. `w`: Record::w of the surface.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// The images of reflected or refracted surfaces are assumed to move linearly with the lens point. A surface
-/// for which this causes an error of more than this many px counts as insufficiently recorded (Patch::bent).
+/// When the lens point moves, the image of a reflected or refracted surface is assumed to move linearly. A
+/// surface counts as insufficiently recorded (Patch::bent) if the true motion differs by more than this many
+/// px.
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a surface that is reprojected as a plane. It has the pixels [x, x + width) x [y, y + height) of
@@ -83,12 +85,12 @@ struct PatchMesh {
     /// For each patch: inverse depth and, if stored, xx, xy, yx and yy of Record::w, as linear functions of
     /// the position (px from the patch's corner).
     std::vector<CellPlane> planes;
-    /// Per sheet: bits (child_bit) of the reflection and refraction that are drawn as part of the surface
-    /// (PatchLens::follow_px).
+    /// For each sheet (part of a surface): which of its reflection and refraction, as bits (child_bit), are
+    /// drawn as if painted on the surface. PatchLens::follow_px decides this.
     std::vector<std::uint8_t> follows;
 
-    /// Returns the bits (child_bit) of a texel's reflection and refraction that are drawn separately, because
-    /// they move differently from the surface.
+    /// Returns which of the texel's reflection and refraction, as bits (child_bit), are drawn as separate
+    /// surfaces. Their images move differently from the mirror or glass.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
@@ -100,8 +102,8 @@ struct PatchMesh {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of a texel's reflection and refraction if these move with the surface, and so are
-    /// drawn as part of it.
+    /// Returns the radiance of the texel's reflection and refraction, as far as they are drawn as if painted
+    /// on the mirror or glass.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -148,23 +150,22 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray through raster position `at + d` (px) crosses the lens at `lens_px_per_px * d`, in units of
-    /// LensShift::lens_px.
+    /// Maps the offset of a pixel from `at`, in px, to the lens point through which the ray to this pixel
+    /// passes, in units of LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// A patch may block some rays of a scene point, and so darken some pixels of the point's circle of
-/// confusion. Computes the map from the patch to these pixels, linearised at the patch's centre. Returns
-/// false if the map is singular.
+/// Computes which pixels of a scene point's circle of confusion a patch darkens: the map from the patch to
+/// the pixels whose rays it blocks, linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the parts of a patch that may hide a bright point of inverse depth `light_per_m` and are nearer
-/// than `nearest_per_m`. Requires nearest_per_m >= light_per_m.
+/// Appends to `out` the parts of a patch whose inverse depth exceeds `nearest_per_m`, so that they may hide a
+/// bright point. The bright point has the inverse depth `light_per_m`. Requires nearest_per_m >= light_per_m.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

@@ -59,8 +59,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // Also adds the place where a moving patch was recorded, because the patch may uncover the
-            // background there.
+            // When a moving patch leaves its recorded position, it may uncover the background there. So the
+            // area that the patch sweeps includes its recorded position.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -48,11 +48,12 @@ class PatchBins {
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies to `out` the directly visible patches (planar parts of surfaces) that some view may show in a
-    /// rectangle. Empties the lists that gather_chains fills.
+    /// Copies to `out` all directly visible patches (planar parts of surfaces) that any view may show in the
+    /// rectangle `rect` of a tile. Empties the lists of reflected and transmitted patches; gather_chains
+    /// fills them.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Counts the patches that are seen by reflection or transmission and may appear in a rectangle of a
-    /// tile. Returns whether any recorded instant has more than `most` of them.
+    /// Returns whether more than `most` patches that are seen by reflection or transmission may appear in a
+    /// rectangle of a tile, at any one recorded instant.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Adds the patches in `rect` that are seen by reflection or transmission. They are grouped by sequence
     /// of bounces; groups may be empty.

@@ -1,6 +1,6 @@
-// Computes the reflections and refractions in an image: averages reflected and transmitted radiance over all
-// views (images for one lens point and instant). Each pixel has one sum for each sequence of reflections and
-// transmissions.
+// Computes the reflected and refracted light in each pixel, as the mean over all views (images for one lens
+// point and instant). Surfaces seen by different sequences of reflections and transmissions have separate
+// sums.
 #pragma once
 
 #include <array>
@@ -30,22 +30,27 @@ class TreeSums {
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Sets the directly visible surfaces of a view. `primary` must stay valid until all pixels are added.
+    /// Begins a view, as reprojected from one recorded instant.
+    /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
+    /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Finds the pixels (`wanted`) in which to draw the surfaces seen by `path`. Returns the tile to draw
-    /// into, or null. Call for shorter paths first.
+    /// Begins the surfaces that are seen by `path`, a sequence of reflections and transmissions. Writes the
+    /// pixels that need them to `wanted`, and returns the tile to draw into, or null if there are none. Call
+    /// for shorter paths first, because mirrors and glass are drawn before the surfaces seen in them.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
     /// reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the light of the separately drawn reflections and refractions in pixel k. Requires sure(k).
+    /// Returns the light of pixel k that comes from separately drawn reflections and refractions. Call only
+    /// if sure(k) is true.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds reflections and refractions in pixel k to `sum` (radiance times `weight`). Returns the weight of
-    /// views that lack a reflection or refraction; views that lack only dark light count less.
+    /// Adds the reflections and refractions in pixel k to `sum`, which stores radiance times `weight`.
+    /// Returns the weight of the views that lack a reflection or refraction; a view counts less if the
+    /// missing light is darker than the pixel.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -82,11 +87,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If the mirror or glass is not recorded in pixel k, adds the surfaces seen in it. Returns whether it
-    /// added any.
+    /// The surface of `chain` is missing in pixel k, but surfaces that are reflected or transmitted by it may
+    /// have been drawn there. Adds these surfaces, and returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Follows the bounces of `chain` in pixel k. Returns the id of the last object on the way that is
-    /// visible there.
+    /// Returns the id of the object in which the surface of `chain` is seen in pixel k. If this mirror or
+    /// glass is missing there, returns the id of the object in which the mirror or glass is seen, and so on.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);

@@ -45,8 +45,8 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether, in pixel `k`, the object's outline is less precise at recorded instant `u` than at 1
-    /// - u, because the object appeared smaller.
+    /// A view may blend two recorded instants. Returns whether instant `u` (0 or 1) has the less precise
+    /// outline of the object in pixel `k`, because the object appeared smaller at that instant.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
     /// (x, y) is the pixel's position in the tile.
@@ -70,19 +70,20 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Number of tested samples with mirrors or glass, and of those among them that need no ray for their
-    /// reflections and refractions.
+    /// `with_trees` counts samples that show a mirror or glass. `with_sure_trees` counts those samples whose
+    /// reflections and refractions are recorded, so that they need no ray.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// Per pixel: bit u is set if a ray replaces the colour from recorded instant u (0 or 1).
+    /// Bits 0 and 1 of each pixel stand for the one or two recorded instants of a view. A bit is set if a ray
+    /// replaces the colour from this instant.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Schedules rays for the pixels whose directly visible surface is not determined by the sample file. If
-    /// something moves, also schedules rays for all mirrors and glass, because a reflection moves differently
-    /// from its mirror.
+    /// Schedules rays for the pixels in which the directly visible surface is uncertain, for example at an
+    /// edge. If objects move, also schedules rays for all pixels with mirrors or glass, because a reflection
+    /// moves differently from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays for pixels whose reflections or refractions, stored in `trees`, are missing or
-    /// inaccurate at recorded instant `u` (0 or 1).
+    /// Schedules rays for the pixels with mirrors or glass whose reflections or refractions are missing or
+    /// inaccurate. `trees` holds these reflections and refractions, as seen at recorded instant `u` (0 or 1).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -109,8 +110,10 @@ class CheckedSamples {
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the colours of pixels that PatchViews::checked selects, to compare them with rays. Call for
-    /// each recorded instant `u`. `trees` may be null.
+    /// Stores the recorded colours of a view in the pixels that PatchViews::checked selects, to compare them
+    /// with rays later. Call once for each recorded instant `u` of the view.
+    /// - `number`: index of the view in PatchViews::views
+    /// - `trees`: reflections and refractions; null if none are drawn
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Up to 16 x 16 px of the raster: columns [first_pixel, last_pixel) of the first `rows` rows of a band
-/// (group of rows).
+/// A square of at most 16 x 16 px. It lies in a strip of the raster that is `band_width` px wide and `rows`
+/// px high, and covers the strip's columns [first_pixel, last_pixel).
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
@@ -28,13 +28,13 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// Number of ray hits in node[]: 4 at the cell's corners, or 1 at (at_x, at_y), in px from the pixel's
-    /// corner.
+    /// How many ray hits `node` stores: 4, at the corners of the piece, or 1, at (at_x, at_y) in px from the
+    /// pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// True if the surface may be absent from this quarter of the quadtree cell, because an edge crosses the
-    /// cell.
+    /// True if an edge crosses the quadtree cell, and the surface may be absent from the quarter of the cell
+    /// that this piece covers.
     bool maybe = false;
 };
 
@@ -48,8 +48,8 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface, in ascending order of keys. `pieces` are the parts of
-    /// quadtree cells that show the surface. Call once after each `collect`.
+    /// Calls take(key, pieces) once for each surface in the square, in ascending order of keys. `pieces` are
+    /// the quadtree cells, or quarters of cells, that show the surface. Call once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -98,8 +98,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface: `key_pieces_` counts its pieces. After sort_pieces, it stores where they end in
-    /// `sorted_`.
+    /// For each surface: `key_pieces_` is the number of cells, or quarters of cells, that show the surface.
+    /// sort_pieces replaces this number by the index at which these pieces end in `sorted_`. `key_group_` is
+    /// the index of the surface's first group.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

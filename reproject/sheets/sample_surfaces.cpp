@@ -10,8 +10,9 @@ namespace {
 /// 1600 px radius is steeper only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
-/// Combines the hits of one eye ray and its reflections, in one layer (visible or hidden), into a surface
-/// with their total radiance. Returns false if none is seen directly.
+/// Combines the records of one eye ray in one layer (0: visible, 1 or more: hidden) into a surface. The
+/// radiances of the direct hit and of its reflections and refractions are added up. Returns false if the
+/// direct hit is not recorded.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -32,8 +33,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // near and far are inverse depths, so the perspective slope is (1 / far - 1 / near) / (across / far) =
-    // (near - far) / near / across.
+    // near and far are inverse depths, so the depths of the two hits differ by 1 / far - 1 / near. Parallel
+    // to the film, the hits are across / far apart. The slope is the quotient, (near - far) / near / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;

@@ -29,13 +29,14 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// Flags (`mark`) of all surfaces that are seen in this surface: [0] by reflection, [1] by transmission.
+    /// Combined flags (Record::mark) of the surfaces that are seen in this surface: [0] by reflection, [1] by
+    /// transmission.
     std::array<std::uint8_t, 2> marks_below{};
-    /// The radiance that is seen in this surface: [0] by reflection, [1] by transmission. It includes light
-    /// that arrives after further reflections and refractions.
+    /// Radiance that this surface reflects ([0]) and transmits ([1]) towards the eye, including light that
+    /// arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// Largest motion of the reflection [0] and refraction [1] relative to this surface, over the lens, in
-    /// 1/m; infinite for bright light.
+    /// When the lens point moves, the reflection [0] and refraction [1] move differently from this surface.
+    /// Largest difference, in 1/m like W; infinite for light so bright that it must be drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -47,7 +48,8 @@ struct TreeSurface {
 /// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
 /// camera, it is in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel divided by the film distance or, for an orthographic camera, the width in m.
+/// Returns the width of a pixel in the units of `across` above: divided by the film distance or, for an
+/// orthographic camera, in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
 /// The surfaces that eye rays reach directly, not by reflection: for each ray, the visible one and those
@@ -61,8 +63,9 @@ struct SampleSurfaces {
 /// `points`: the eye rays, read from `band`, from row y_begin on
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// All hits of eye rays and of their reflections and refractions. Ray i has the elements [offsets[i],
-/// offsets[i + 1]), sorted by layer from near to far, then by the sequence of reflections and transmissions.
+/// All hits of eye rays, and of their reflections and refractions. The hits of ray i are the elements
+/// [offsets[i], offsets[i + 1]) of `nodes`. They are sorted by layer from near to far, then by the sequence
+/// of reflections and transmissions.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;

@@ -272,8 +272,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The cells are usually in quadtree order, so those of a subtree are consecutive. Otherwise, a stable
-        // partition makes them consecutive.
+        // The cells in this quarter must be consecutive. They usually are, because the cells come in quadtree
+        // order; otherwise, a stable partition moves them together.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -27,8 +27,8 @@ class SheetBuilder {
     /// True if the colours at the corners of the quadtree cell differ so much that the edge of a shadow or
     /// texture must cross it.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the flags (RecordMark) that the records at all four corners of the quadtree cell have, such as
-    /// "texture finer than the samples".
+    /// Returns the flags (RecordMark) that are set at all four corners of the quadtree cell, for example the
+    /// flag for texture that is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -39,13 +39,15 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from index `first_light` on to the quadtree cell added last, of `area` px^2.
+    /// Assigns the highlights from index `first_light` on to the texel added last. `area` is the area of the
+    /// texel's quadtree cell, in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A surface within a square of 16 x 16 px, under construction. Its pixels are in the order of the
-    /// square.
+    /// A sheet (surface within a square of 16 x 16 px) that is being built. `cells` lists its pixels as
+    /// indices y * 16 + x in the square, in ascending order. `fine`, `coarse`, `planes` and `bends` have the
+    /// same order.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// If the inverse depths of two surfaces differ by less than this fraction, errors of fitted depths may
-/// change their order.
+/// A surface lies closely behind another one if their inverse depths differ by less than this fraction.
+/// Errors of the fitted depths could then swap the two surfaces.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

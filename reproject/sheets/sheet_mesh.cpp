@@ -164,8 +164,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // `also.rows` does not get the last row, because it is read again with the rows below, except at the
-        // end of the file.
+        // The last row read, `y`, also is the first row of the next strips, with which it is read again. So
+        // `also.rows` gets this row now only at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -195,8 +195,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // Copied first, because `choice.squares` may run another task on this thread, which overwrites
-            // `made`.
+            // `choice.squares` may run another task on this thread, which overwrites `made`. So `made` is
+            // copied first.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Identifies a surface by its object, the reflections and transmissions by which it is seen, its mirror or
-/// glass, and whether it lies closely behind another surface.
+/// Identifies a surface by four values: its object, the sequence of reflections and transmissions by which it
+/// is seen, the mirror or glass in which it is seen, and whether it lies closely behind another surface.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -77,8 +77,8 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// What nearer surfaces hide of a surface inside a quadtree cell: nothing, a part that is recorded, or a part
-/// that may not be recorded.
+/// Whether nearer surfaces hide a part of a surface inside a quadtree cell, and whether this hidden part is
+/// recorded.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
@@ -118,18 +118,18 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// For each pixel of each surface: root of its colour quadtree. In `coarse`, for blurred surfaces, fully
-    /// covered pixels have only one colour.
+    /// For each pixel of each sheet: root of the quadtree with the surface's colours. `fine` has all recorded
+    /// colours. `coarse` has a single colour in each fully covered pixel, and is used for blurred surfaces.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel, relative to its centre: planes of inverse depth (1/m) and, if `values` is 5, of the
-    /// four entries of Record::w.
+    /// For each pixel: `values` linear functions of the offset from the pixel's centre. The first is the
+    /// inverse depth (1/m). If `values` is 5, the rest are the four entries of Record::w.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each element of `texels`: the radiance that its surface reflects ([0]) and transmits ([1]). Empty
-    /// if no surface reflects or transmits light.
+    /// For each element of `texels`: the radiance that the surface reflects ([0]) and transmits ([1]) towards
+    /// the eye. Empty if no surface reflects or transmits light.
     std::vector<std::array<std::array<float, 3>, 2>> below;
     /// Highlights: the radiance above HighlightRule::above. `bright_texels` lists the quadtree cells with
     /// radiance above this limit.
@@ -140,8 +140,8 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// All surfaces recorded at one instant, divided into parts (sheets) within squares of 16 x 16 px. `primary`
-/// are seen directly, `deeper` by reflection or transmission.
+/// All surfaces recorded at one instant. Each surface is divided into sheets, one for each square of 16 x 16
+/// px. `primary` has the surfaces that are seen directly, `deeper` those seen by reflection or transmission.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< its planes include W; empty if there are no such surfaces
@@ -164,25 +164,26 @@ struct HighlightRule {
 /// Returns one element for each of mesh.sheets.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects which sheets (surfaces within squares of the raster) are built, because an image may need only
-/// some. The selection changes the sheets' indices, but not their contents.
+/// An image may need only some sheets (surfaces within squares of the raster). This selects the sheets that
+/// are built. The selection changes the sheets' indices, but not their contents.
 struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional: removes unneeded surfaces from `some`, part number `part` of the row of 16 x 16 px squares
-    /// at y. Called by several threads.
+    /// Optional: removes the surfaces that are not needed from `some`. These are the surfaces of up to 8
+    /// adjacent squares: part number `part` of the row of 16 x 16 px squares that begins at raster row y.
+    /// Called by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Optional: if `rows` leaves out a row of squares, appends its surfaces, which the caller already knows,
-    /// left to right.
+    /// Optional, for a caller that already has the surfaces of a row of squares, which `rows` therefore
+    /// leaves out. Appends these surfaces to `parts`, left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the surfaces of one instant from a file, divided into sheets (parts within squares of the raster).
-/// All records that are read are also passed to the callbacks of `also`, so that the file is read only once.
-/// Throws Error(out_of_memory), and exceptions of the reader and of `also`.
+/// Reads the surfaces of one instant from a file, and divides them into sheets (parts within squares of the
+/// raster). The callbacks of `also` get all records that are read, so that the file is read only once. Throws
+/// Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});

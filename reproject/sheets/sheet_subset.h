@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the surfaces with a nonzero entry in `wanted`, in the same order. Call take_highlights afterwards,
-/// not before.
+/// Copies the sheets with a nonzero entry in `wanted`, in the same order. SheetMesh::highlights is not
+/// copied, so call take_highlights afterwards, not before.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens
