@@ -39,8 +39,8 @@ struct PatchView {
     /// Returns whether light through this lens point reaches pixel (x, y), for vignetting. Blocked pixels are
     /// black. If empty, no pixel is blocked.
     std::function<bool(int x, int y)> passes;
-    // Lens point, instant and random seed of the rays that are traced for this view, in the units of
-    // SightLine.
+    // Lens point, instant (`light_before`) and random seed (`set`, `number`) of the rays that are traced for
+    // this view, in the units of SightLine.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -73,8 +73,8 @@ struct PatchViews {
     /// Ray tracer for samples that cannot be reprojected from the recorded surfaces, for instance at edges.
     /// If null, no rays are traced.
     const SightRays* rays = nullptr;
-    /// Returns which samples are replaced by rays in the image square that contains pixel (x, y). If this
-    /// function is empty: LeftToRays::unsure.
+    /// For the image square that contains pixel (x, y): the samples that rays replace. Default:
+    /// LeftToRays::unsure.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Optional: appends to `views` the indices of the views whose recorded colour in pixel (x, y) is
@@ -107,8 +107,8 @@ struct PatchField {
     /// Rectangle of pixels in the sample file, in raster px; the end is exclusive. Required if rays are
     /// traced.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Half width and height of the lens, in m, times the film distance in px: the largest x and y of
-    /// LensShift::lens_px. Required with rays or highlights.
+    /// Largest |x| and |y| of LensShift::lens_px: half width and height of the lens, in m, times the film
+    /// distance in px. Required with rays or highlights.
     glm::dvec2 lens_reach_px{0};
 };
 

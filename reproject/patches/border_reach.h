@@ -34,8 +34,8 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// Upper bound, over all added views, of how far the image of a surface point is displaced when a lens
-    /// point sees it instead of the pinhole. In px.
+    /// How far the lens can displace the image of a surface point: upper bound, in px, of the distance
+    /// between the point's positions in an added view and in the pinhole image.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Determines, for each pixel, which groups of moving objects may change the pixel. Each group has a bit
-/// mask, PatchField::class_marks; a pixel gets the bits of all its groups.
+/// Determines, for each pixel, which groups of moving objects may change the pixel. The result combines the
+/// bit masks of these groups (PatchField::class_marks).
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.

@@ -71,8 +71,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Tests `lanes` samples of an image row. Bit n of the result is set if the patch covers sample `begin` + n,
-/// and if its inverse depth exceeds there[n], the inverse depth drawn there before.
+/// Tests `lanes` samples of an image row. Bit n of the result is set if the patch covers sample `begin` + n
+/// and is nearer there than the surface drawn before, whose inverse depth is there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {

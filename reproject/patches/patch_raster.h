@@ -112,9 +112,8 @@ struct WantedPixels {
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// True if the mirror or glass in which a surface is seen was not recorded in some pixels. There, `in`
-    /// stores in_gap(id) instead, with the id of the object through which the ray reaches this mirror or
-    /// glass.
+    /// True if the mirror or glass is missing in some pixels, because it was not recorded. There, `in` stores
+    /// in_gap(id), with the id of the object in which the mirror or glass is seen.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };

@@ -196,8 +196,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // Depth tests move this surface back by 2 * within, the depth error of two patches. With a small
-            // aperture, `within` is huge, so the distance is limited.
+            // Depth tests treat this surface as farther away, by the depth error that two patches may have
+            // together, 2 * within. With a small aperture, `within` is huge, so this distance is limited.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -362,8 +362,8 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // At the depth of the bright point, the map from the patch to the pixels is singular. Close to this
-        // depth, the map is far from linear, so the patch is divided.
+        // The bright point projects the patch onto the pixels. This projection is singular at the point's own
+        // depth and far from linear close to it, so patches there are divided.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

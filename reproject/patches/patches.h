@@ -85,12 +85,12 @@ struct PatchMesh {
     /// For each patch: inverse depth and, if stored, xx, xy, yx and yy of Record::w, as linear functions of
     /// the position (px from the patch's corner).
     std::vector<CellPlane> planes;
-    /// For each sheet (part of a surface): which of its reflection and refraction, as bits (child_bit), are
-    /// drawn as if painted on the surface. PatchLens::follow_px decides this.
+    /// For each sheet (part of a surface): bits (child_bit) that tell whether its reflection and its
+    /// refraction are drawn as if painted on the surface. PatchLens::follow_px decides this.
     std::vector<std::uint8_t> follows;
 
-    /// Returns which of the texel's reflection and refraction, as bits (child_bit), are drawn as separate
-    /// surfaces. Their images move differently from the mirror or glass.
+    /// Returns bits (child_bit) that tell whether the texel's reflection and its refraction are drawn as
+    /// separate surfaces, because their images move differently from the mirror or glass.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();

@@ -18,8 +18,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Finds the views with motion that are reprojected from the recorded instant `instant`, and groups them by
-/// time. The result points into `field`.
+/// Finds the views that show moving objects and are reprojected from the recorded instant `instant`. Groups
+/// these views by time. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

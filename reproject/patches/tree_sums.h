@@ -34,9 +34,10 @@ class TreeSums {
     /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
     /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Begins the surfaces that are seen by `path`, a sequence of reflections and transmissions. Writes the
-    /// pixels that need them to `wanted`, and returns the tile to draw into, or null if there are none. Call
-    /// for shorter paths first, because mirrors and glass are drawn before the surfaces seen in them.
+    /// Call before drawing the surfaces that are seen by `path`, a sequence of reflections and transmissions.
+    /// Writes the pixels that need these surfaces to `wanted`, and returns the tile to draw into, or null if
+    /// no pixel needs them. Call for shorter paths first, because mirrors and glass are drawn before the
+    /// surfaces seen in them.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
@@ -87,8 +88,8 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// The surface of `chain` is missing in pixel k, but surfaces that are reflected or transmitted by it may
-    /// have been drawn there. Adds these surfaces, and returns whether there are any.
+    /// The mirror or glass of `chain` is missing in pixel k, but the surfaces seen in this mirror or glass
+    /// may have been drawn. Adds these surfaces, and returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
     /// Returns the id of the object in which the surface of `chain` is seen in pixel k. If this mirror or
     /// glass is missing there, returns the id of the object in which the mirror or glass is seen, and so on.

@@ -5,8 +5,8 @@
 namespace postlens {
 namespace {
 
-/// Maps one pixel of the view back to the recorded image, and returns its area there, in px^2. Returns
-/// nothing if it lies outside the recorded image.
+/// Maps one pixel of the view back to the recorded image, and returns the pixel's area there, in px^2.
+/// Returns nothing if the mapped pixel lies outside the recorded image.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});

@@ -70,8 +70,8 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts samples that show a mirror or glass. `with_sure_trees` counts those samples whose
-    /// reflections and refractions are recorded, so that they need no ray.
+    /// `with_trees` counts samples that show a mirror or glass. `with_sure_trees` counts only those with
+    /// accurately recorded reflections and refractions, which need no ray.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
     /// Bits 0 and 1 of each pixel stand for the one or two recorded instants of a view. A bit is set if a ray

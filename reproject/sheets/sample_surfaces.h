@@ -36,7 +36,8 @@ struct TreeSurface {
     /// arrives after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
     /// When the lens point moves, the reflection [0] and refraction [1] move differently from this surface.
-    /// Largest difference, in 1/m like W; infinite for light so bright that it must be drawn separately.
+    /// Stores the largest difference, in 1/m like W, or infinity if the light is so bright that it must be
+    /// drawn separately.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {

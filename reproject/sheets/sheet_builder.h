@@ -39,8 +39,8 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from index `first_light` on to the texel added last. `area` is the area of the
-    /// texel's quadtree cell, in px^2.
+    /// Assigns all highlights with index `first_light` or higher to the texel that was added last. `area` is
+    /// the area of the texel's quadtree cell, in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

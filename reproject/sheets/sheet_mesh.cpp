@@ -164,7 +164,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row read, `y`, also is the first row of the next strips, with which it is read again. So
+        // The last row read, `y`, is also the first row of the next strips, with which it is read again. So
         // `also.rows` gets this row now only at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {

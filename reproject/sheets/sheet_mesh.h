@@ -170,8 +170,8 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional: removes the surfaces that are not needed from `some`. These are the surfaces of up to 8
-    /// adjacent squares: part number `part` of the row of 16 x 16 px squares that begins at raster row y.
+    /// Optional: removes unneeded surfaces from `some`, which has the surfaces of up to 8 adjacent squares
+    /// (16 x 16 px). The squares are part number `part` of the row of squares that begins at raster row y.
     /// Called by several threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
