@@ -29,7 +29,7 @@ struct HybridSettings {
     /// determine. If null, no rays are traced.
     const Scene* scene = nullptr;
     /// Optional: appends to `views` the indices of the views in which a ray checks the recorded colour of
-    /// pixel (x, y). If set, no error is measured, and HybridResult::stated is empty.
+    /// pixel (x, y). If set, the image's error is not stated: HybridResult::stated is empty.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 

@@ -96,9 +96,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At quadtree level L, an edge crosses 2^L cells of area 4^-L px^2. The errors of the cells'
-                // light are independent and proportional to the area, so their sum has the variance 2^L
-                // (4^-L)^2 = 2^-3L.
+                // At quadtree level L, an edge crosses 2^L cells of a pixel, each with an area of 4^-L px^2.
+                // The errors of the cells' light are independent and proportional to this area. So the
+                // variance of the pixel's light is 2^L (4^-L)^2 = 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -107,9 +107,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At quadtree level L, an edge crosses 2^L cells, and each cell's error is proportional to its
-            // area 4^-L. Along an edge aligned with the quadtree, the errors are equal and add up. Along a
-            // slanted edge, they are independent, so their squares add up. Squared error:
+            // At quadtree level L, an edge crosses 2^L cells of a pixel. The error of a cell is proportional
+            // to the cell's area, 4^-L px^2. Along an edge aligned with the quadtree, the cells' errors are
+            // equal and add up. Along a slanted edge, the errors are independent, so their squares add up.
+            // Squared error of the pixel:
             // - aligned: (2^L 4^-L)^2 = 2^-2L
             // - slanted: 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
