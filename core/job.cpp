@@ -44,7 +44,8 @@ class WidestJob {
         const int widest = threads_.empty() ? 0 : *threads_.rbegin();
         if (widest == allowed_) return;
         allowed_ = widest;
-        // Removes the old limit first, because TBB applies the lowest of all existing limits.
+        // Removes the old limit on the number of threads before it sets a new one. As long as several limits
+        // exist, TBB applies the lowest.
         control_.reset();
         if (widest > tbb::info::default_concurrency()) {
             control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));

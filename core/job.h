@@ -72,8 +72,8 @@ class Job {
     std::unique_ptr<Threads> arena_;      ///< null if the job uses TBB's default arena
 };
 
-/// While this object exists, the calling thread and its parallel loops work for `job`. The thread that
-/// creates a JobScope must also destroy it, the newest first.
+/// While this object exists, the calling thread and its parallel loops work for `job`. A thread must destroy
+/// its JobScopes itself, in reverse order of their creation.
 class JobScope {
   public:
     explicit JobScope(Job& job);

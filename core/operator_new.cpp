@@ -47,7 +47,8 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// Requests no huge pages in a library that another program loads, because the heaps belong to that program.
+/// In a library, does nothing, because the memory after a block belongs to the program that loads the
+/// library.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

@@ -8,9 +8,9 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // With this M_TOP_PAD, glibc keeps all unused memory of a thread's heap (at most 64 MB). 32 MB is the
-    // largest M_MMAP_THRESHOLD that glibc allows.
     mallopt(M_TOP_PAD, 64 * MB);
+    // Blocks of 32 MB or more do not come from a heap. Each of them gets a memory mapping of its own. glibc
+    // allows no larger threshold.
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
     // Keeps up to 256 MB of unused memory at the end of the main heap. By default, glibc returns more than
     // 128 KB to the system, and the program loses the huge pages of this memory.

@@ -78,8 +78,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Returns dimension 1 of the Sobol sequence: Pascal's matrix modulo 2 times the bits of the index. Each line
-/// multiplies by one factor of this matrix.
+/// Returns dimension 1 of the Sobol sequence: Pascal's matrix modulo 2 times the vector of the index's bits.
+/// This matrix is a product of five sparse matrices, and each line multiplies by one of them.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -92,8 +92,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Permutes sample indices by a nested uniform scramble. Every aligned block of 2^j indices remains together
-/// in an aligned block.
+/// Permutes sample indices by a nested uniform scramble. If two indices differ only in their lowest j bits,
+/// the permuted indices also differ only in their lowest j bits.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -114,8 +114,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Coordinates of 16 consecutive Sobol points: that of point i is low[i] ^ high in reversed order of bits.
-/// The first index is a multiple of 16.
+/// Coordinates of 16 consecutive Sobol points, as bit-reversed integers: point i has the coordinate low[i] ^
+/// high. The index of the first point is a multiple of 16.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -43,8 +43,9 @@ void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float*
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Sample points for the dimensions after the first five, from shuffled Sobol sequences [burley2020]. The
-/// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
+/// 1D and 2D sample points for random choices other than pixel position, lens point and time. They come from
+/// shuffled Sobol sequences [burley2020]. The functions write samples first .. first + lanes - 1, where
+/// `lanes` is 16 or 1.
 class SobolPadding {
   public:
     /// `n` is the number of samples of a pixel, 1 .. 2^20. Let 2^k be the smallest power of two not less than

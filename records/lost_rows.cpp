@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether one of a pixel's eye rays has a given position in the pixel. Eye rays do not hit hidden
-/// surfaces, so samples of hidden surfaces do not count.
+/// Tests whether a pixel has a sample at a given position. Only samples of layer 0 (what the pinhole sees)
+/// count, not samples of hidden surfaces.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
@@ -36,7 +36,8 @@ class PixelPlaces {
 /// `size` wide, both in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
-    // A divided cell has a sample at its centre, because the centre is a corner of its four quarters.
+    // A cell is undivided if it has no sample at its centre. In a divided cell, the four quarters share a
+    // corner there.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

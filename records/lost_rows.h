@@ -19,7 +19,8 @@ struct LostRows {
 };
 
 /// Makes records of rays that hit nothing, in place of the unreadable row y of a damaged file.
-/// - above: the row above, whose lowest quadtree cells have corners in row y; null if there is none
+/// - above: the row above, or null if there is none. If its quadtree cells have lower corners in row y, these
+///   corners get records too.
 /// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);

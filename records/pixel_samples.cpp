@@ -35,8 +35,8 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A point sample may be a corner of quadtree cells in several pixels. Only cells in this pixel add to
-        // its weight.
+        // Weight of the sample: a quarter of the area of each quadtree cell in this pixel that has the sample
+        // as a corner.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

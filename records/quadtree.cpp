@@ -13,8 +13,8 @@ namespace {
 /// is one step wide.
 constexpr int pixel_steps = position_steps;
 
-/// Position within a pixel, in steps from its upper left corner. The right and lower edges are at
-/// pixel_steps.
+/// Position within a pixel: u steps to the right of its upper left corner, and v steps below this corner. The
+/// pixel is pixel_steps wide.
 struct Place {
     int u = 0, v = 0;
 };
@@ -39,9 +39,9 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
          x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
 }
 
-/// Calls on_sample(first_record, count) for every sample of layer 0 (what the pinhole sees) in pixel (x, y),
-/// sorted by y, then by x. With `top_edge_only`, leaves out samples below the pixel's upper edge. Throws if
-/// the upper left corner has no sample, which every pixel must have.
+/// Calls on_sample(first_record, count) for every sample that the pinhole sees in pixel (x, y), sorted by y,
+/// then by x. With `top_edge_only`, only for samples on the pixel's upper edge. Throws if the pixel's upper
+/// left corner has no sample.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -83,9 +83,9 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Enters the samples of pixel (x, y), number `column` of its row, into the table. It also enters samples
-    /// on the right and lower edges of the pixel, which are stored in neighbouring pixels. Returns false if
-    /// the pixel's quadtree has more levels than the table can hold.
+    /// Fills the table with the samples of pixel (x, y), which is pixel `column` of its row. The table also
+    /// gets the samples on the pixel's right and lower edges, which neighbouring pixels store. Returns false
+    /// if the quadtree is too deep for the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -93,8 +93,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The next pixel stores the samples on the shared edge. Its cells may be smaller than the table's
-        // steps, so add() may reject some of the samples.
+        // The pixel on the right stores the samples on the shared edge. Its quadtree may be deeper than the
+        // table allows. Then add() skips samples that lie between two positions of the table.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -250,9 +250,10 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Corners of a cell and quadrants around a sample have the same order:
-                                       // 0 up-left, 1 up-right, 2 down-left, 3 down-right. A cell lies in
-                                       // quadrant 3 - c around the sample at its corner c.
+                                       // Corners of a cell and quadrants around a sample have the same
+                                       // numbers: 0 up-left, 1 up-right, 2 down-left, 3 down-right. From
+                                       // corner c, the cell lies on the opposite side, i.e. in quadrant 3 -
+                                       // c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

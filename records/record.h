@@ -74,10 +74,11 @@ struct Mat2 {
 /// Flags of a record (sample). They warn that interpolation between this sample and its neighbours may miss
 /// detail.
 struct RecordMark {
-    /// The texture changes from this sample to its neighbours, although they are as close together as the
-    /// quadtree allows.
+    /// The texture is too fine for the samples: its colour changes between this sample and its neighbours,
+    /// and the quadtree allows no samples in between.
     static constexpr std::uint8_t fine_texture = 1;
-    /// Beside this sample, the object may have a gap, or a part of its mesh that no ray hit.
+    /// Between this sample and its neighbours, the rays may have missed a gap in the object or a part of its
+    /// mesh.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -92,9 +93,10 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error, in 1/m^2, of `w`, which assumes that the image moves linearly with the lens point; 0 if not
-    /// measured. For a lens point R metres from the centre, this error shifts the image by w_bend R^2 film
-    /// distance / pixel pitch. Infinite if other lens points see the surface by another path.
+    /// Error of `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point. If the lens
+    /// point is R metres from the lens centre, the error of the image's position in px is w_bend * R^2 * film
+    /// distance / pixel pitch. 0 if not measured; infinite if other lens points see the surface by another
+    /// path.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

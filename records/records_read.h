@@ -17,10 +17,10 @@ struct RecordsRead {
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Passes rows y_begin to y_end - 1 to the functions of `to`, with the leaves (undivided cells) of their
-/// quadtrees. `band` must also contain row y_end, because the lower corners of these cells lie there. The
-/// last row of the file has no leaves, because no row follows. Throws the errors of find_leaves and of these
-/// functions.
+/// Calls `to.rows` for rows y_begin to y_end - 1 of `band`, and `to.leaves` for the quadtree leaves
+/// (undivided cells) of these rows. Row y_end must be in `band` too, because it contains the lower corners of
+/// the leaves. Only the last row of the file has no row below, and therefore no leaves. Throws the errors of
+/// find_leaves, `to.rows` and `to.leaves`.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

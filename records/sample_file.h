@@ -27,9 +27,10 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
-/// for instant 0 (that of the pinhole image), then for each key (further recorded instant).
-/// The colours of the records must be radiance, because SampleFileReader applies the exposure of the header.
+/// Writes a sample file in bands of rows, so that memory is bounded. The bands come from top to bottom, first
+/// those of instant 0 (the instant of the pinhole image), then those of each key (further recorded instant).
+/// The colours of the records must be radiance without exposure: SampleFileReader applies the exposure of the
+/// header.
 /// The file appears at `path` when finish() is called.
 class SampleFileWriter {
   public:

@@ -40,8 +40,8 @@ struct SampleHeader {
     std::optional<double> exposure_s;
     glm::dmat4 world_from_camera{1};  ///< in metres; the camera's x points right, y up, and it looks along -z
     double time_s = 0;                ///< instant of the trace and of the pinhole image
-    /// Times, in seconds, at which a moving scene is recorded besides `time_s`. In ascending order, at most
-    /// `most_keys`.
+    /// A moving scene is recorded at `time_s` and at these further instants, in seconds. They are in
+    /// ascending order, and at most `most_keys`.
     std::vector<double> key_times_s;
 
     int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel

@@ -10,8 +10,7 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// Number of parts of an interval between keyframes. The interpolation error is measured at the 7 times where
-// two parts meet.
+// The error of interpolation between two keyframes is measured at looks - 1 = 7 evenly spaced times.
 constexpr int looks = 8;
 
 struct Sampler {

@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// Largest number of texels or precomputed squares of texels that are read along each edge of a rectangle.
-/// Squares are read only if the rectangle has more texels along an edge.
+/// The colour range of a rectangle of texels is read from at most this number of squares along each edge. A
+/// square is one texel if the rectangle is small enough, else a precomputed square of 4, 8, ... texels.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {

@@ -27,11 +27,13 @@ class TexelRanges {
     /// reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last].
+    /// Returns the least and greatest colour of the texels in columns x_first to x_last and rows y_first to
+    /// y_last.
     /// `rgb` must be the array that was passed to the constructor.
-    /// Outside the image, `wrap_x` and `wrap_y` repeat it. Otherwise the texels of the border are used.
-    /// If a side of this rectangle is longer than 9 texels, it is covered by precomputed squares of texels.
-    /// These squares may extend beyond the rectangle by up to two fifths of its longer side.
+    /// With `wrap_x` and `wrap_y`, the image is repeated beyond its borders. Otherwise the texels of the
+    /// border are used there.
+    /// If the rectangle has more than 9 texels along an edge, the range is read from precomputed squares of
+    /// texels that cover it. They may extend beyond the rectangle by up to two fifths of its longer edge.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

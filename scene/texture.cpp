@@ -16,8 +16,8 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding may put d / size on the wrong side of a cell border. Near a border, the exact remainder
-    // decides (Knuth's two-sum and fma).
+    // `quotient` is rounded, so close to the border of a cell its floor may be the wrong cell. There, the
+    // sign of the exact remainder decides (Knuth's two-sum and fma).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

@@ -359,7 +359,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // All recorded instants share one quadtree, so it must resolve the narrow objects of every instant.
+    // All recorded instants share one quadtree, so it must be fine enough for the narrow objects of every
+    // instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

@@ -21,33 +21,34 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// With a lens (`for_f_number`): divides pixels at object edges to at least `lens_levels` levels.
-    /// `subdivision.levels` then limits only the division due to contrast.
+    /// With a lens (`for_f_number`), pixels at object edges are divided at least `lens_levels` times. Then
+    /// `subdivision.levels` limits only the division of pixels with contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Value of `subdivision.levels` for methods that trace further rays where the samples are too coarse.
-    /// docs/planner.md compares the times for other values.
+    /// Used as `subdivision.levels` if the image is made by a method that traces further rays where samples
+    /// are too coarse. docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
-    /// If `keys` is absent, the largest turn of an object between recorded instants, degrees, relative to the
-    /// camera. At 15, two instants miss a strip of 0.9 % of a ball's radius (1 - cos 7.5 degrees).
+    /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
+    /// to the next. Used if `keys` is absent. With 15 degrees, two instants miss a strip on a ball that is
+    /// 0.9 % of the ball's radius wide (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// Value of `degrees_per_key` for methods that also trace rays. Fewer instants suffice, because rays
-    /// replace missing surfaces.
+    /// Used as `degrees_per_key` for methods that also trace rays. They need fewer recorded instants, because
+    /// rays show the surfaces that are missing.
     static constexpr double ray_degrees_per_key = 30;
-    /// If `keys` is absent, target PSNR, dB, for the error that changing light causes. This is half the
-    /// squared error of the 40 dB target.
+    /// Target PSNR, dB, of the error that changing light causes between recorded instants. Used if `keys` is
+    /// absent. 43 dB is half the squared error of 40 dB, the default target of `auto`.
     double light_db = 43;
-    /// Value of `light_db` (target PSNR) for methods that also trace rays. 12 dB less halves the number of
+    /// Used as `light_db` for methods that also trace rays. A target that is 12 dB lower needs half as many
     /// recorded instants.
     static constexpr double ray_light_db = 31;
     /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Value of `narrow_strip_px` for methods that also trace rays. They trace rays up to a pixel beside
-    /// edges anyway.
+    /// Used as `narrow_strip_px` for methods that also trace rays. These methods trace rays up to 1 px beside
+    /// edges even if hidden surfaces are recorded there.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's f-number, else from
-    /// f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same value.
+    /// Settings of the tracer. trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's
+    /// f-number, else from f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same value.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =

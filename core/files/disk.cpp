@@ -10,8 +10,8 @@ namespace fs = std::filesystem;
 
 std::uint64_t free_disk_bytes(const fs::path& target) {
     std::error_code error;
-    // If `target` is a link, the file is written to the folder that it points to, so the space on that disk
-    // counts.
+    // If `target` is a symbolic link, the file is written to the destination of the link, which may be on
+    // another disk.
     const fs::path destination = fs::weakly_canonical(target, error);
     const fs::path& file = error ? target : destination;
     const fs::space_info space =

@@ -105,8 +105,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The extension, by which image writers choose the format, is kept. `number` distinguishes files of
-    // processes that have equal ids in different containers.
+    // The temporary file has the extension of the output file, because image writers choose the format by the
+    // extension. `number` makes the name unique: processes in different containers may have equal process
+    // ids.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {

@@ -57,8 +57,9 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of the part `scanlines` of a sample file, followed in the file by a checksum. `picture_checksum` is
-/// that of the row of the pinhole image; 0 outside this image.
+/// Summary of one row of records. The part `scanlines` of a sample file stores it with a checksum of its
+/// bytes. `picture_checksum` is the checksum of the same row of the pinhole image, and 0 if the image has no
+/// such row.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;

@@ -84,8 +84,8 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes samples that hit nothing in place of the damaged row y: at the pixel corners, and at the corners
-    /// of quadtree cells in an intact row above.
+    /// Makes samples that hit nothing, in place of the damaged row y. They lie at the corners of its pixels
+    /// and, if row y - 1 is intact, at the lower corners of the quadtree cells of that row.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;

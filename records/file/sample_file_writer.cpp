@@ -214,8 +214,8 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // With row y, image row y - 1 can be computed, which needs the records of both rows. For the first row of
-    // the band, this is done above.
+    // Image row y - 1 needs the records of rows y - 1 and y. If row y is the first of the band, the code
+    // above has already computed image row y - 1.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);

@@ -98,7 +98,8 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Exporters join triangle strips by triangles without area, so their removal causes no note.
+        // Triangle strips contain triangles without area on purpose, to join pieces of a mesh. So no note
+        // says that they are left out.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }

@@ -58,7 +58,8 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // White and diffuse. glTF's default material is a rough white metal, which authors rarely intend.
+            // The default material is white and diffuse. glTF defines it as a rough white metal, which
+            // authors rarely intend.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;

@@ -76,7 +76,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // `peek` may already have read a later line. Its words do not belong to the rest of this line.
+    // If peek() has already read a further line, that line's words do not belong to the line of the last word
+    // taken.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

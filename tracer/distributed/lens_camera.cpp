@@ -262,7 +262,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // A minimum depth of 2 % of the distance avoids an infinite image scale in the plane of the lens.
+    // The scale, in px per metre, would be infinite at depth 0. So the depth counts as at least 2 % of the
+    // point's distance from the camera.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -49,8 +49,8 @@ class LensCamera {
     /// Adds 16 rays with unit directions to the batch.
     /// If the lens may block light (`loses_rays`), appends each ray's transmittance to `weights`.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Returns true if the lens may block a part of the light. If false, all rays have weight 1, and add_rays
-    /// appends nothing to `weights`.
+    /// Returns true if the lens may block some light, so that rays have weights below 1. If false, add_rays
+    /// appends no weights, because all are 1.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
     /// A ray in double precision, to test the float rays. `time` is a fraction of the shutter interval.

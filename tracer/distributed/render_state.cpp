@@ -30,7 +30,8 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// A sum of RGB doubles takes 6 words, because a double takes two 32-bit words.
+// Returns the number of 32-bit words that the file stores per pixel: 3 for the image and, for each half of
+// the samples, 1 for their number and 6 (three doubles) for each sum.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -71,8 +72,8 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with all sums of radiance of a pixel: the red, green and blue sum of each block of samples.
-/// Their order is that of the channels in the file.
+/// Calls `visit` with the RGB sums of radiance of a pixel, in the order of the file's channels. Each block of
+/// samples has its own sum, and the sum of the unfinished block comes last.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();

@@ -16,17 +16,19 @@ namespace postlens {
 /// It also limits N in `--share I/N`, because each run renders whole blocks.
 inline constexpr int most_sample_blocks = 64;
 
-/// An unfinished render: sums of radiance and numbers of samples per pixel. The samples may be divided into
-/// two independent halves, whose difference shows the noise. The samples of a half are divided into blocks,
-/// whose sums are added in order.
-/// So the image does not depend on which run (--share) rendered which block.
+/// An unfinished render: sums of radiance and numbers of samples per pixel. Each block of a pixel's samples
+/// has its own sum, and these sums are added in order. So the image does not depend on which run (--share)
+/// rendered which block.
+/// The samples may form two independent halves with separate sums. The difference of the two means shows the
+/// noise.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
-    /// One array for each half of the samples: radiance times exposure, 3 doubles (RGB) per pixel, row-major.
+    /// Sums of radiance times exposure, 3 doubles (RGB) per pixel, row-major. If the samples form two
+    /// independent halves, each half has its own array; otherwise the second array is empty.
     std::array<std::vector<double>, 2> sums;
-    /// Sums of radiance of blocks that still lack samples, one array for each half of the samples.
+    /// Like `sums`, but only for the block of samples that is not yet complete.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

@@ -13,7 +13,7 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// - `setup`: kept as a reference; must not have a lens prescription
+    /// - `setup`: must outlive this object, and must not have a lens prescription
     /// - `lines`: largest number of rays per pixel
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);

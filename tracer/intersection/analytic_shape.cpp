@@ -241,8 +241,8 @@ dmat3 local_shape_operator(const AnalyticShape& shape, int part, const dvec3& p)
     if (shape.kind != AnalyticShape::Kind::cone || part != part_lateral) return dmat3(0);
     // The normal of a cone is (e, -k) / norm. Here e = (x, y) / rho is the unit vector that points away from
     // the axis, k is the change of the radius per height, and norm = sqrt(1 + k^2).
-    // Only e varies over the surface, with the derivative (I - e e^T) / rho. So the derivative of the normal
-    // is this matrix divided by `norm`.
+    // Only e varies over the surface. Its derivative is (I - e e^T) / rho, so the derivative of the normal is
+    // (I - e e^T) / (rho * norm).
     const ConeAt at = cone_at(shape, p);
     const dvec2 e = at.outward;
     const double s = 1 / (at.rho * at.norm);

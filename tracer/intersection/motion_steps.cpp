@@ -27,8 +27,9 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Error of the transform `taken` compared with `truth`. The box's corners suffice, because the error in
-// metres is convex.
+// Returns the largest error, px, of the transform `taken` compared with `truth` over a box. The distance
+// between the two images of a point is a convex function of the point, so it is largest at a corner of the
+// box.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -78,8 +79,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is the error of Embree's linear interpolation at tested instants; `bend`, a second difference,
-    // bounds how much larger it is between them.
+    // Embree interpolates the bounds of a moving shape linearly between time steps. `excess` is how far the
+    // shape extends beyond these bounds at tested instants. `bend`, a second difference of the exact bounds,
+    // limits how much farther it extends between tested instants.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // The offset of 64 float rounding errors keeps a ray from hitting a triangle adjacent to
-    // the one that it leaves.
+    // A ray starts this far from the triangle that it leaves, so that it does not hit adjacent triangles.
+    // 2^-18 of the largest coordinate is 64 times the rounding error of a float.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }

@@ -116,8 +116,8 @@ struct MovingSet {
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
-/// Attenuates a shadow ray by an object, once per crossing of the object's surface. Returns true
-/// if no light is left.
+/// Attenuates a shadow ray that crosses the surface of an object `crossed` times. Returns true if no light is
+/// left.
 [[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
                                       int crossed) {
     const ObjectShadow& s = context.shadows[object];

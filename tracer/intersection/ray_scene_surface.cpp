@@ -98,8 +98,8 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                  base * pose.unmoved_direction(d), t};
-    // The inverse transpose of rotation * scale * inverse(base) transforms normals: rotation * (1 / scale) *
-    // transpose(base).
+    // Normals transform by the inverse transpose of the matrix that maps the shape's frame to the world. This
+    // is rotation * (1 / scale) * transpose(base), because `base` maps to the shape's frame.
     return solved_surface(item, hit, o, d, normals, [&](const LocalHit& at) {
         const dvec3 n = local_normal(item.shape, at.part, at.position());
         return glm::normalize(pose.rotation * ((n * base) / pose.scale));
@@ -184,8 +184,9 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // Transforms the derivative of the normal to world space. `linear` maps positions to the shape's
-        // frame, and its transpose maps normals back.
+        // Transforms the derivative of the normal from the shape's frame to world space. `linear` maps
+        // directions from world space to that frame, and the transpose of `linear` maps normals to world
+        // space.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

@@ -129,13 +129,13 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // Margins: 0.55 instead of 0.5 cell widths, and 1.1 radii, because the position is only approximated
-        // linearly.
+        // Tests whether the sphere's image overlaps the cell. Exact limits would be 0.5 cell widths plus
+        // `reach`. The limits are wider, because the position `image` is only a linear approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // Half the width of the sphere's elliptical image, in cell widths: the smaller singular value of
-        // radius * cell_by.
+        // Computes half the smaller width of the sphere's elliptical image, in cell widths. It is the smaller
+        // singular value of radius * cell_by, where `cell_by` converts metres at the sphere to cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

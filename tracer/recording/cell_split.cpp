@@ -51,7 +51,8 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c) const {
-    // Only the smallest cells may contain an outline, because splits() has divided all larger ones.
+    // If a larger cell contained an outline, splits() would have divided it. So only cells of the smallest
+    // size are tested for outlines.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -156,8 +157,9 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Estimates radiance as times * colour + plus. `times` is the largest ratio of radiance to texture
-        // colour, so that contrast is not underestimated.
+        // Between the samples, radiance is estimated as times * colour + plus, where `colour` is that of the
+        // texture. `times` is the largest ratio of radiance to colour at the samples, so that contrast is not
+        // underestimated.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

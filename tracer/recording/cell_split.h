@@ -29,8 +29,8 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns true if the eye ray through the cell's centre sees something else than those at its corners.
-    /// `centre` is the index of the central sample.
+    /// Returns true if the eye ray through the cell's centre sees something else than the eye rays through
+    /// the cell's corners. `centre` is the index of the sample at the centre.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// Flags the records at the corners of an undivided cell if the image may have details between the
     /// corners:
@@ -71,8 +71,9 @@ class CellSplit {
     /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
     /// trees: points of the same object after the same bounces. Returns false if a tree has none.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
-    /// Returns the index of the surface point that the shading tree `in` contains after the bounces of
-    /// `path`. Tests `guess` first, because trees at the corners of a cell are mostly similar.
+    /// Returns the index of the surface point in the shading tree `in` that is reached by the bounces of
+    /// `path`. Tests the index `guess` first, because the trees at the corners of a cell mostly have the same
+    /// structure.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
@@ -90,8 +91,8 @@ class CellSplit {
         return {visible_layer(c.corner[0]), visible_layer(c.corner[1]), visible_layer(c.corner[2]),
                 visible_layer(c.corner[3])};
     }
-    /// Sets `out` to the shading tree (list of records) of a visible or hidden surface, which begins at
-    /// record `at` of the sample. Sets `at` to the index after its last record.
+    /// The records of a sample form one shading tree for each visible or hidden surface. Sets `out` to the
+    /// tree that begins at record `at`, and then `at` to the index after the tree's last record.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
     /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
     /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.

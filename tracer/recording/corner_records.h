@@ -15,8 +15,8 @@ class CornerRecords {
   public:
     /// Sorts the samples of pixel rows [y_begin, y_end) by pixel.
     void sort(const CornerGrid& grid, std::span<const CornerSample> samples, int y_begin, int y_end);
-    /// Writes the records of rows [y_begin, y_end), pixel by pixel. These must be sorted rows, and `samples`
-    /// those that were passed to `sort`.
+    /// Writes the records of rows [y_begin, y_end), pixel by pixel. Before, sort() must have been called with
+    /// the same `samples` and with a range of rows that contains these rows.
     void emit(const CornerGrid& grid, std::span<const CornerSample> samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 

@@ -26,8 +26,8 @@ constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the end of the group of `rows` rows (a band in memory or part of one) that contains row y. Groups
-// end at fixed rows, so records do not depend on the first row that is traced.
+// Rows are traced in groups that begin at multiples of `rows`. Returns the end of the group that contains row
+// y. The groups do not depend on the first row that is traced, and so the records do not either.
 int next_multiple(int y, int rows) {
     return (floor_div(y, rows) + 1) * rows;
 }
@@ -200,8 +200,8 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
-    // A point that must still be traced. `sample` points to the cell's member that receives the index of the
-    // new sample (an element of CornerCell::between).
+    // A raster point through which an eye ray must still be traced. `sample` points to the element of
+    // CornerCell::between that receives the index of the new sample.
     struct Missing {
         CornerKey key;
         std::uint32_t* sample;
@@ -337,8 +337,8 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the samples at the corners of k's pixel. On the band's lower edge, this is the pixel above,
-    // because pixels below are not traced yet.
+    // Returns the samples at the corners of the pixel that contains point k. If k lies on the lower edge of
+    // the band, takes the pixel above, because the pixel below is not traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -58,7 +58,8 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns `count` + 1 evenly spaced instants of the shutter interval and the keyframes within it, sorted.
+// Returns the instants at which motion is examined, in ascending order: count + 1 evenly spaced instants of
+// the shutter interval, and all keyframes within this interval.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -112,7 +113,8 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether part of a moving box is in front of the camera. `box` is given before the motion `pose`.
+// Returns whether at least one corner of a box is in front of the camera, after the motion `pose` has been
+// applied to the box.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,
@@ -217,7 +219,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns true if one of `keys` evenly spaced recorded instants lies within the time span `visit`.
+    // Returns true if one of `keys` recorded instants, evenly spaced over the shutter interval, lies within
+    // the time span `visit`.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;

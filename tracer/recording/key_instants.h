@@ -11,10 +11,9 @@
 
 namespace postlens {
 
-/// Returns by how many degrees, in total, an object turns relative to the camera: the greatest of all
-/// objects.
-/// It is the turn of the direction from the object's centre to the camera, 0 if the camera only pans or
-/// rolls.
+/// Returns the total angle, degrees, by which an object turns relative to the camera; of several objects, the
+/// greatest angle. The angle is measured between the object's directions to the camera, so it is 0 if the
+/// camera only pans or rolls.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
@@ -38,8 +37,9 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the least number of evenly spaced instants, `at_least` to 64, so that every object in view is
-/// recorded. Ignores time spans in view that are too short for 64 instants.
+/// Returns the least number of evenly spaced instants at which every object is recorded at least once while
+/// it is in view. The result is from `at_least` to 64. Ignores time spans in view that even 64 instants would
+/// miss.
 /// - `recorded_s`: instant that is recorded anyway
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);

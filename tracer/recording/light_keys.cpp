@@ -21,8 +21,8 @@ using glm::dvec3;
 // Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
-// Recorded instants (keys) are at least this number of time steps apart.
-// With one step, there would be 65 keys, but a file has at most 64 (SampleHeader::most_keys).
+// Least distance, in time steps, between two recorded instants (keys). A distance of one step would give 65
+// keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // Number of rays along the longer side of the image. They find the surface points at which light is measured.
@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, if every `between`-th of the tested instants is recorded (0: only the
-    /// frame's own instant).
+    /// Returns the predicted PSNR, dB, of a recording. It contains the frame's own instant and, unless
+    /// `between` is 0, the tested instants 0, between, 2 * between and so on.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -175,7 +175,8 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // Relative tolerance of the distance, because rays are traced in single precision.
+                // Relative tolerance when the distance of a ray's hit is compared with that of the point. It
+                // is needed because rays are traced in single precision.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -215,8 +216,8 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Begins with the most instants and then halves their number, because errors may cancel by chance if
-    // instants are few.
+    // Halves the number of recorded instants as long as the PSNR reaches the target. It does not begin with
+    // few instants, because their errors may cancel by chance.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

@@ -144,7 +144,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
                        static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_)]),
                last = crossings_.begin() +
                       static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_) + 1]);
-    // Shrinks the square slightly, so that an edge along its side does not count as inside it.
+    // Tests mesh edges against a slightly smaller square, so that an edge along a side of the square does not
+    // count as inside.
     const double margin = size / 64;
     const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
     for (auto c = std::lower_bound(first, last, column, [](const Crossing&a, int to) { return a.x < to; });
@@ -159,8 +160,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // Allows for rounding errors, so that an edge in the plane of the visible surface does not count
-        // as in front of it.
+        // A mesh edge counts only if it is in front of the visible surface. The tolerance excludes edges in
+        // the plane of this surface, which rounding errors may move to the front.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

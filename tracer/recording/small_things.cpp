@@ -20,8 +20,8 @@ using glm::dvec3;
 constexpr int tile_px = 16;
 // Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// Pieces near the tip of a cone are halved up to this number of times, because each
-// piece has a constant width.
+// A piece has one constant width. So a piece at the tip of a cone is halved, up to this number of times, if
+// its ends have very different widths.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -30,7 +30,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For cones: factors of half[1] and half[2] at both ends, centre - half[0] (x) and centre + half[0] (y).
+    // For cones: the widths at the two ends, as factors of half[1] and half[2]. ends.x belongs to the end
+    // centre - half[0], and ends.y to centre + half[0].
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -45,7 +46,8 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box with the extents `sides` along the columns of `turn`.
+/// Returns the centre and the half axes of a box. Its axes are the columns of `turn`, and `sides` are its
+/// limits along these axes.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
@@ -326,12 +328,12 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Compact bright objects need small quadtree cells for an accurate area. Along elongated objects, errors
-    // average out, so 1 px suffices.
+    // A compact bright object needs small quadtree cells, so that its area on the raster is accurate. Along a
+    // long object (from != to), errors of single cells average out, so cells of 1 px suffice.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory: each piece of a narrow object needs at least three quadtree cells, so this many pieces
-    // need too many.
+    // Limits memory. Each piece of a narrow object needs at least three quadtree cells, so this many pieces
+    // exceed the largest number of cells.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
@@ -414,9 +416,9 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // The corners of the cell are 0.7071 * size from its centre, and the object reaches up to r.reach
-        // from its axis. If the axis is farther from the cell's centre than both together, they do not
-        // overlap. 0.7072 allows for rounding.
+        // The cell extends at most 0.7071 * size from its centre (0.7072 allows for rounding), and the object
+        // r.reach from its axis. If the axis is farther from the cell's centre than the sum, cell and object
+        // do not overlap.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

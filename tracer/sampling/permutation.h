@@ -22,8 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // The shift comes from the highest 4 bits of the offset, because `step` uses only the offset's
-            // lowest `bits` bits.
+            // step() uses only the lowest `bits` bits of the offset in round r. So the highest 4 bits of the
+            // offset can choose the shift of this round.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -36,7 +36,8 @@ class Permutation {
         return x;
     }
 
-    /// Applies the permutation to `lanes` integers x in [0, n) (cycle walking).
+    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a range
+    /// whose size is a power of two, so it is repeated until the value is less than n (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);

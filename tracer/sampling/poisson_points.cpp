@@ -56,8 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // An incomplete pattern is discarded after this number of random points. The last point of a pattern
-    // needs 100 tries on average.
+    // Adds random points until n of them have the minimum distance. Gives up after this number of random
+    // points, because the last point alone needs 100 tries on average.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));

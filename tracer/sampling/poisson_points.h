@@ -21,8 +21,8 @@ struct PoissonPattern {
 /// Returns n random points on the torus [0, 1)^2, where n is 1 to 1024.
 /// All points are at least `poisson_distance_share` * densest_distance(n) apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of densest_distance. At 0.777, random placement rarely finds
-/// room for the last point.
+/// Minimum distance of points, as a fraction of densest_distance. It could hardly be larger: with 0.777,
+/// random placement rarely finds room for the last point.
 inline constexpr double poisson_distance_share = 0.7;
 
 /// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least
@@ -58,7 +58,8 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Point patterns for both sizes of blocks: floor(n / blocks_) points, and one more.
+    /// Patterns of floor(n / blocks_) points and of one more point. The samples are divided into blocks of
+    /// these two sizes.
     std::array<Patterns, 2> sizes_;
 };
 

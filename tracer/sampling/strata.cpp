@@ -24,11 +24,11 @@ struct Divisor {
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Divides [0, 1) into `value` equal intervals. Returns the lower edge of number `cell`, in units of
-    /// 2^-24.
+    /// Returns the lower edge of interval number `cell` if [0, 1) is divided into `value` equal intervals.
+    /// The result is in units of 2^-24, rounded up.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Rounds up: for integers a and d, ceil(a / d) = floor((a + d - 1) / d). Adding
-        // 0.5 protects against rounding errors.
+        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. As in
+        // rounded_down(), 0.5 is added against rounding errors.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
@@ -47,7 +47,8 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes where each stratified sample point lies within its cell: a multiple of 2^-24 in [0, 1) per axis.
+/// Computes where each sample point lies within its cell of the unit interval or square. The result for one
+/// axis is a multiple of 2^-24 in [0, 1).
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -69,7 +70,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Row r begins at cell floor(r * n / rows). This is the last row that begins at or before cell c.
+        // Row r of the grid begins at cell floor(r * n / rows). So cell c belongs to the last row for which
+        // this is at most c.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

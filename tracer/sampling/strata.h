@@ -23,11 +23,13 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes one random point, in its own cell, for each of the samples [first, first + lanes).
+    /// Writes one point for each of the samples first .. first + lanes - 1. The unit square is divided into n
+    /// cells of equal area, and each of the n samples has a cell of its own.
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Sets `u` to stratified 1D points, one in each of n equal intervals. Parameters as in fill_2d.
+    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, and `u` receives one
+    /// point per sample.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

@@ -1,4 +1,5 @@
-// Counts glossy materials and area lights of a scene. A sample file stores only the mean of their light.
+// Counts a scene's glossy materials and area lights. A sample file stores the light of each as a mean over
+// several rays.
 #pragma once
 
 #include <cstdint>

@@ -75,8 +75,9 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// At radiance L, a shadow edge that crosses k of the light's k x k cells causes noise of sqrt(k) (L / 2) /
-// k^2. Returns k at which this is target_noise.
+// Returns the number k for a light that is divided into k x k cells. A shadow edge crosses k of these cells,
+// which are lit or not by chance. At radiance L, this causes noise of sqrt(k) (L / 2) / k^2, which is
+// target_noise for the returned k.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

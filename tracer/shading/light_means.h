@@ -24,8 +24,8 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Noise-free estimate: the unshadowed radiance times 1, 0.5 or 0 if the light is
-    /// visible, partly visible or hidden.
+    /// Noise-free estimate of the radiance: the radiance without shadows, times 1 if the light is visible,
+    /// 0.5 if it is partly visible, or 0 if it is hidden.
     glm::dvec3 steady{0};
 };
 

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the record with `path` in `layer`, else in layer 0, because only layer 0 contains the mirror or
-/// glass in front.
+/// Returns the surface hit of a sample that has the given path and layer. If there is none, returns the hit
+/// in layer 0, because hidden layers do not repeat the mirror or glass in front of them.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,7 +28,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the hits in one sample that are seen in the same mirrors and glass objects as a given hit.
+/// Summary of those hits of a sample that have the same path as a given hit, with reflections and refractions
+/// at the same objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

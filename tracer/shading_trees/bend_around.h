@@ -1,5 +1,5 @@
-// Estimates `w_bend`, how nonlinearly a mirror image moves over the lens, from nearby samples instead of
-// additional rays.
+// Estimates `w_bend`, the error of the assumption that a mirror image moves linearly with the lens point.
+// Uses nearby samples, so that no additional rays are needed.
 #pragma once
 
 #include <array>

@@ -27,8 +27,8 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance is limited to LightElsewhere::above only after the light of all light sources
-/// is added.
+/// A surface hit whose radiance must not exceed LightElsewhere::above. The limit applies to the sum over all
+/// light sources, so `radiance` collects this sum first.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

@@ -34,13 +34,14 @@ struct EyeRays {
     /// `min_contribution`. If empty, all are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
-    /// Returns the raster position, px, at which the pinhole sees the point at distance t, m, on a ray.
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray. `t` is the distance of
+    /// the point along the ray, m.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If not empty, one surface point per ray. Only the radiance of this point that `less` excludes is
-    /// computed.
+    /// If not empty, names one surface point per ray. Then only `left_out` is computed, and only from the
+    /// radiance of this surface point.
     std::vector<NodeIdentity> left_out_of;
 };
 

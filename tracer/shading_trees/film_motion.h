@@ -27,8 +27,8 @@ class FilmMotion {
     /// `point` is the world position, m, of the point at the recorded instant.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns where, in raster px, the infinitely distant background in `direction` appears at instant i.
-    /// - `at`: raster position of the ray, returned for orthographic cameras
+    /// Returns the raster position, px, of the infinitely distant background in `direction` at instant i. For
+    /// an orthographic camera, this is the ray's own raster position `at`.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 

@@ -68,8 +68,9 @@ class Follower {
         return c.goes_on;
     }
 
-    // Continues just before the last hit, because another surface may touch it. If that hit was a repetition,
-    // continues behind it.
+    // Returns the distance, m, from which the ray continues after its last hit. This is just before the hit,
+    // because another surface may touch the surface there. If the hit repeated an earlier one, it is just
+    // behind it.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -83,13 +84,14 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // Whether to continue is decided anew after each hit, because fewer moving objects remain ahead on
-        // the ray.
+        // If motion may reveal hidden surfaces, tests after each hit whether the ray must still continue. As
+        // soon as no moving object remains ahead, it may end.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
   private:
-    // Adds a hit to the surfaces that the ray has passed, unless it leaves an object or repeats a hit.
+    // Adds a hit to the list of surfaces that the ray has passed. Skips hits where the ray leaves an object,
+    // and repeated hits of the same surface.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -173,8 +175,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // Images in mirrors and glass lie behind the mirror or glass, so a lens sees more of them past
-        // surfaces in front.
+        // If this surface is a mirror or glass, it shows images that lie behind it. Past the surfaces in
+        // front, a lens may see more of an image than of the mirror or glass itself.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

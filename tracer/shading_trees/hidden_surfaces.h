@@ -23,8 +23,8 @@ struct HiddenLayers {
     static constexpr int most_uncovered = 4;
     /// Largest number of hidden surfaces per ray that are recorded only because a wide lens reveals them.
     static constexpr int most_seen_past = 3;
-    /// A part of a hidden surface up to this width, px, counts as invisible. It covers at most a quarter of a
-    /// pixel, that is, about one of the four or more samples that the pixel averages.
+    /// A strip of a hidden surface counts as invisible if it is at most this wide, px. It covers at most a
+    /// quarter of a pixel, i.e. about one of the at least four samples that the pixel averages.
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
@@ -53,12 +53,13 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, at which infinitely distant points appear: not 0 if a curved mirror
-    /// reflects them.
+    /// Returns the inverse depth, 1/m, at which infinitely distant points appear. It is 0, except in a curved
+    /// mirror, which shows distant points at a finite depth.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
-/// A surface that a ray would hit behind its first hit, or the background behind its last surface.
+/// A surface that an eye ray would hit behind its first hit, or the background that the ray would reach
+/// behind all surfaces.
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
     std::uint32_t layer = 0;  ///< number of surfaces in front of it

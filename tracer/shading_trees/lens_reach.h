@@ -30,8 +30,8 @@ class LensReach {
     /// Margin, px, around the strip of hidden surfaces seen past an edge, because edges are found only to a
     /// pixel and whole pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// A depth edge lies between two pixels if their relative parallax from lens centre to rim, px, is at
-    /// least this fraction of their distance, px.
+    /// A depth edge lies between two pixels if their surfaces move apart when the lens point moves from the
+    /// lens centre to the rim. They must move apart by at least this fraction of the pixels' distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
@@ -40,7 +40,8 @@ class LensReach {
     /// Traces one ray from the lens centre per pixel of [x_begin, x_end) x [y_begin, y_end). Only for
     /// perspective cameras.
     /// - `aperture_radius_m`: greater than 0
-    /// - `same_place_px`: surfaces with less parallax count as one
+    /// - `same_place_px`: two surfaces count as equally deep if their parallax over the lens is less than
+    ///   this, px
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
@@ -59,8 +60,8 @@ class LensReach {
     /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
     /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns true if the lens may see the infinitely distant background past the surfaces in front,
-    /// `covers`.
+    /// Returns true if the lens may see the infinitely distant background. `covers` describes the surfaces in
+    /// front of it on the same ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -85,7 +86,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Parallax, px, from lens centre to rim, of two surfaces whose inverse depths differ by 1/m.
+    /// Parallax, px, of two surfaces between lens centre and lens rim, divided by the difference of their
+    /// inverse depths, 1/m.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
     const MinMaxPyramid* eye_view_ = nullptr;  ///< the view of eye rays, which most searches need

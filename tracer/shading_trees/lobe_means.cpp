@@ -18,7 +18,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Limits the weight of rays borrowed from neighbouring surface hits, because high weights cause noise.
+// The mean over a glossy lobe also uses rays of neighbouring surface hits. The weight of such a ray is
+// limited to this value, because high weights cause noise.
 constexpr double most_weight = 8;
 
 // True if two surface hits may share rays to average over their glossy lobes.
@@ -28,8 +29,8 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Weight of one hit's rays in the other's mean: 0 from the distance `reach_px` on, so that the mean changes
-// continuously over the image.
+// Returns a factor of the weight that a ray of one hit has in the mean of another hit. It decreases to 0 at
+// the distance `reach_px` of the hits, so that the mean changes continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -116,8 +117,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Requires `rays` sorted by `nodes_left` (surfaces that their paths may still hit), because a batch has one
-// limit of bounces.
+// All rays of a batch may still hit the same number of surfaces (`nodes_left`). So `rays` must be sorted by
+// `nodes_left`.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

@@ -25,8 +25,8 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Throughput times the hit's radiance without its glossy lobes. If bright, it hides the noise of the
-    /// lobes, so that fewer rays suffice.
+    /// Radiance of the hit without its glossy lobes, times the throughput. The brighter it is, the less
+    /// visible is the noise of the lobes, so fewer rays suffice.
     glm::dvec3 beside{0};
 };
 

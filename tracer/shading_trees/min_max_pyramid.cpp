@@ -101,7 +101,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // Squares still to search: at most 9 at the first level and 3 at each of 31 levels below, 102 in all.
+    // Squares of the pyramid that are still to be searched: at most 9 of the first level and 3 of each of 31
+    // levels below, 102 in all.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;

@@ -13,7 +13,8 @@ class MinMaxPyramid {
     /// The value at position (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A search region: values of at most top - max(least, slope * d) at distances d <= radius from `at`.
+    /// A region that is searched for low values near the position `at`. It contains each value at a distance
+    /// d <= radius that is at most top - max(least, slope * d).
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -26,22 +27,23 @@ class MinMaxPyramid {
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but faster for wide cones. Values outside the cone, by up to an eighth of
-    /// its radius, may count too.
+    /// Like any_in, but faster for wide cones, because it may also count values up to 9/8 of the cone's
+    /// radius away.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Tests only the square at which an earlier search ended. If true, any_in or maybe_any_in is also true.
+    /// Tests only one square of the pyramid, the one in which an earlier search ended (`hint`). If the result
+    /// is true, a full search by any_in or maybe_any_in would return true, too.
     [[nodiscard]] bool hint_in(const Cone& cone, const Hint& hint) const { return at_hint(cone, 0, hint); }
     [[nodiscard]] bool hint_maybe_in(const Cone& cone, const Hint& hint) const {
         return at_hint(cone, coarse_level(cone.radius), hint);
     }
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns the greatest value within `radius` of `at`, or `floor` if all are less.
-    /// Values up to 9/8 of the radius away may be included.
+    /// Returns the greatest value at distances up to `radius` from `at`, or `floor` if all these values are
+    /// less. May include values up to 9/8 of the radius away.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// Returns an upper bound of greatest(at, radius, floor), i.e. of the greatest value within `radius` of
-    /// `at`, or of `floor` if all are less. It is computed fast from only a few squares of the pyramid.
+    /// Returns an upper bound of greatest(at, radius, floor). It is faster to compute, because only a few
+    /// squares of the pyramid are read.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -56,7 +58,8 @@ class MinMaxPyramid {
         int x_first, x_last, y_first, y_last;
     };
     [[nodiscard]] int coarse_level(double radius) const;
-    /// Returns the lowest level whose squares are at least `px` wide, or else the highest level.
+    /// Returns the lowest level of the pyramid whose squares are at least `px` wide, or the highest level if
+    /// all squares are narrower.
     [[nodiscard]] int level_of_width(double px) const;
     /// Returns the squares of one pyramid level that overlap the bounding box of a circle, or the nearest
     /// squares if none do.

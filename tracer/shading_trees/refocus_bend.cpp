@@ -19,11 +19,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // All steps use the derivatives of the ray through the lens centre. These are not exact for other lens
 // points, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// Newton's method for a ray ends when its last step is at most `settled_px`, or its estimated error at most
-// `settled_share` of the difference between the ray and its first-order prediction.
+// Newton's method adjusts the direction of a ray. It ends when the last step moves the ray by at most
+// settled_px on the raster, or when the estimated error is at most settled_share of the ray's deviation from
+// its linear prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Estimated error after the first Newton step, as a fraction of this step.
-// After later steps, the error is estimated from the ratio of the last two steps.
+// After the first Newton step, the remaining error is estimated to be this fraction of the step. After later
+// steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 constexpr double straight_share = 0.5;
 
@@ -98,7 +99,8 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns the Newton step for the ray's tangent. Uses the derivatives of the ray through the lens centre.
+    // Returns the next Newton step for ray p, i.e. the change of its tangent. Uses the derivatives of the ray
+    // through the lens centre instead of those of p.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -117,8 +119,8 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Newton's method searches for rays that reach given surface points. Traces one ray for each unfinished
-// search, through reflections and refractions, to its last bounce.
+// Each probe is a search, by Newton's method, for the ray that reaches a given surface point. Traces the
+// current ray of each unfinished search (`open`) through its reflections and refractions to its last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -197,8 +199,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a surface point is lost, the result for this point, `w_bend`, is infinite. So all
-        // further rays to it are skipped.
+        // A lost ray does not reach its surface point, so the result for this point is infinite. All further
+        // rays to the point are then skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -222,7 +224,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Rays with small deviations (departures) end early, because only the largest is used.
+            // Of all rays to a surface point, only the largest deviation from the linear prediction
+            // (`departure`) is used. So a ray ends early if its departure is certainly smaller.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -248,8 +251,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // A ray's departure is almost equal at opposite lens points, because it is of second order. If it is
-    // small, the opposite points are skipped.
+    // A ray's departure is its deviation from the linear prediction. It is of second order, so the ray from
+    // the opposite lens point has almost the same departure. If it is small, this ray is not traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;

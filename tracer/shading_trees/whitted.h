@@ -24,8 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Lens radius, m. Only glossy lobes that are wider than the lens are averaged over their directions. If
-    /// 0, all are averaged.
+    /// Radius of the lens, m. Glossy lobes are averaged over their directions only if they are wider than the
+    /// lens, seen from the surface. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -50,7 +50,8 @@ struct RayCounts {
     }
 };
 
-/// The last ray of a path with at least one reflection or refraction. It serves to find small bright objects.
+/// The last ray of a path with at least one reflection or refraction. From the rays at the corners of a cell,
+/// `trace` finds images of small bright objects in mirrors and glass.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -77,8 +78,9 @@ struct TracedSamples {
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// One entry per record, set only after a bounce, to find images of bright objects. Empty without mirrors
-    /// and glass, or without anything brighter than white.
+    /// For each record, the last ray of its path; default values if the path has no bounce. Serves to find
+    /// images of bright objects in mirrors and glass. Empty if the scene has no mirrors and glass, or nothing
+    /// brighter than white.
     std::vector<Arrival> arrivals;
 };
 
@@ -104,8 +106,8 @@ class WhittedTracer {
     /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// If the deviation from linear motion over the lens is at most this, px, it is estimated from
-    /// neighbouring samples even if they differ.
+    /// An image's deviation from linear motion over the lens is taken from neighbouring samples if it is at
+    /// most this, px. If it is greater, the neighbouring samples must also be similar.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

@@ -55,7 +55,8 @@ struct WhittedTracer::Impl {
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // Items are filled in place and reused, because copying finished items took longer than shading.
+    // An array whose items are reused. The caller fills in the item that add() returns, because copying
+    // finished items took longer than shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -87,8 +88,8 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Surface hits whose radiance is the mean of several rays, sent into a glossy lobe or to points of an
-        // area light.
+        // The radiance of these surface hits is the mean of several rays, into a glossy lobe (`lobes`) or to
+        // points of an area light (`extents`).
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -113,21 +114,23 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
-    // Adds the eye rays to the first generation of rays. If `with_hidden` is true, their first hits are kept,
-    // because hidden surfaces are searched for behind them later.
+    // Makes the eye rays. generation() then traces them, and later their reflections and refractions, one
+    // bounce at a time. If `with_hidden` is true, stores the first hits, because hidden surfaces behind them
+    // are searched for later.
     void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it.
-    // Does not store hits at which a ray leaves glass, because the transmitted ray finds the surfaces behind
-    // them.
+    // Stores the hit of a reflected or refracted ray, so that hidden surfaces behind it can be found later.
+    // Skips the hit if no lens point can see such surfaces, or if the ray leaves glass there: then the
+    // transmitted ray finds them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Each hidden surface seen in a mirror or through glass becomes a new layer, which does not repeat the
-    // mirror or glass.
+    // Finds the hidden surfaces that a lens sees in mirrors or through glass, and adds a layer for each. The
+    // layer contains only the hidden surface, not the mirror or glass again.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Starts a shading tree at a hidden surface, which is shaded as if nothing were in front of it.
+    // Shades a hidden surface as if nothing were in front of it. The surface becomes the root of a new
+    // shading tree.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
@@ -153,8 +156,8 @@ struct WhittedTracer::Impl {
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` of the surface points `w.bent` from earlier samples nearby. Only points without an
-    // estimate are measured.
+    // Estimates `w_bend` (Record) of the surface points in `w.bent` from earlier samples nearby. Points with
+    // an estimate are removed from `w.bent`, so they need no further rays.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
