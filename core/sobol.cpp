@@ -114,8 +114,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Coordinates of 16 consecutive Sobol points, as bit-reversed integers: point i has the coordinate low[i] ^
-/// high. The index of the first point is a multiple of 16.
+/// Bit-reversed coordinates of 16 consecutive Sobol points. The coordinate of point i is low[i] ^ high. The
+/// index of the first point is a multiple of 16.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -32,12 +32,10 @@ class PixelPlaces {
 };
 
 /// Appends the lower left corner of every quadtree leaf (undivided cell) that touches the lower edge of a
-/// pixel. Calls itself for the two lower quarters of a divided cell. The current cell begins at u and is
-/// `size` wide, both in steps of 1 / position_steps px.
+/// pixel. Calls itself for the two lower quarters of a divided cell, i.e. of a cell with a sample at its
+/// centre. The current cell begins at u and is `size` wide, both in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
-    // A cell is undivided if it has no sample at its centre. In a divided cell, the four quarters share a
-    // corner there.
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {
         corners.push_back(u);
         return;

@@ -40,8 +40,8 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every sample that the pinhole sees in pixel (x, y), sorted by y,
-/// then by x. With `top_edge_only`, only for samples on the pixel's upper edge. Throws if the pixel's upper
-/// left corner has no sample.
+/// then by x. With `top_edge_only`, calls it only for samples on the pixel's upper edge. Throws if the
+/// pixel's upper left corner has no sample.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -251,9 +251,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
                                        // Corners of a cell and quadrants around a sample have the same
-                                       // numbers: 0 up-left, 1 up-right, 2 down-left, 3 down-right. From
-                                       // corner c, the cell lies on the opposite side, i.e. in quadrant 3 -
-                                       // c.
+                                       // numbers: 0 up-left, 1 up-right, 2 down-left, 3 down-right. Seen from
+                                       // its corner c, a cell lies in the opposite quadrant, 3 - c.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -93,10 +93,9 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point. If the lens
-    /// point is R metres from the lens centre, the error of the image's position in px is w_bend * R^2 * film
-    /// distance / pixel pitch. 0 if not measured; infinite if other lens points see the surface by another
-    /// path.
+    /// Error of `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point. For a lens
+    /// point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance /
+    /// pixel pitch, px. 0 if not measured; infinite if other lens points see the surface by another path.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

@@ -27,8 +27,8 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes a sample file in bands of rows, so that memory is bounded. The bands come from top to bottom, first
-/// those of instant 0 (the instant of the pinhole image), then those of each key (further recorded instant).
+/// Writes a sample file in bands of rows, so that memory is bounded. The bands of instant 0 (the instant of
+/// the pinhole image) come first, from top to bottom. Those of each key (further recorded instant) follow.
 /// The colours of the records must be radiance without exposure: SampleFileReader applies the exposure of the
 /// header.
 /// The file appears at `path` when finish() is called.

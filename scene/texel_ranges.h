@@ -32,8 +32,8 @@ class TexelRanges {
     /// `rgb` must be the array that was passed to the constructor.
     /// With `wrap_x` and `wrap_y`, the image is repeated beyond its borders. Otherwise the texels of the
     /// border are used there.
-    /// If the rectangle has more than 9 texels along an edge, the range is read from precomputed squares of
-    /// texels that cover it. They may extend beyond the rectangle by up to two fifths of its longer edge.
+    /// If the rectangle has more than 9 texels along an edge, it is covered by precomputed squares of texels.
+    /// They may extend beyond it by up to two fifths of its longer edge, so the range may be too wide.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

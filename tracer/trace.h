@@ -29,8 +29,8 @@ struct TraceSettings {
     /// are too coarse. docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
     /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
-    /// to the next. Used if `keys` is absent. With 15 degrees, two instants miss a strip on a ball that is
-    /// 0.9 % of the ball's radius wide (1 - cos 7.5 degrees).
+    /// to the next. Used if `keys` is absent. With 15 degrees, two instants miss a strip of a ball's surface.
+    /// The strip is 0.9 % of the ball's radius wide (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Used as `degrees_per_key` for methods that also trace rays. They need fewer recorded instants, because
     /// rays show the surfaces that are missing.

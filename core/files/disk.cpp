@@ -10,8 +10,8 @@ namespace fs = std::filesystem;
 
 std::uint64_t free_disk_bytes(const fs::path& target) {
     std::error_code error;
-    // If `target` is a symbolic link, the file is written to the destination of the link, which may be on
-    // another disk.
+    // A symbolic link may point to another disk, and the file is written there. So the free space is measured
+    // at the destination of the link.
     const fs::path destination = fs::weakly_canonical(target, error);
     const fs::path& file = error ? target : destination;
     const fs::space_info space =

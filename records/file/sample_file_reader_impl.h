@@ -84,8 +84,8 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes samples that hit nothing, in place of the damaged row y. They lie at the corners of its pixels
-    /// and, if row y - 1 is intact, at the lower corners of the quadtree cells of that row.
+    /// Makes samples that hit nothing, in place of the damaged row y. They lie at the corners of the pixels
+    /// of this row. If the row above is intact, they also lie at the lower corners of its quadtree cells.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;

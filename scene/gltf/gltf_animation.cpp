@@ -124,8 +124,8 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // Returns the value of keyframe k. In a cubic spline, each keyframe has three entries: incoming tangent
-    // (`part` 0), value (1) and outgoing tangent (2). Returns entry `part`.
+    // Returns the value of keyframe k. A cubic spline has three entries per keyframe, and `part` chooses one:
+    // the incoming tangent (0), the value (1) or the outgoing tangent (2).
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};
         const std::size_t from = (cubic ? 3 * k + part : k) * components;

@@ -76,8 +76,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // If peek() has already read a further line, that line's words do not belong to the line of the last word
-    // taken.
+    // peek() may already have read the next line. The words of that line are not part of the rest of line
+    // `taken_line_`.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

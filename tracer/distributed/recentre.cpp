@@ -14,8 +14,6 @@ Scene recentred(Scene scene, const glm::dvec3& origin) {
         o.world_from_object[3] -= glm::dvec4(origin, 0);
         move_keys(o.keys, origin);
     }
-    // A light that has keyframes gets its position from them. So the keyframes are translated instead of
-    // `position`.
     for (Light& l : scene.lights) {
         if (l.keys.empty()) l.position -= origin;
         move_keys(l.keys, origin);

@@ -18,8 +18,9 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // Rays choose directions in glossy lobes and points of area lights at random, so the radiance of
-        // these objects is noisy. The sample file stores the mean radiance instead.
+        // Rays choose directions in glossy lobes and points of area lights at random. So they see glossy
+        // objects, and objects that an area light illuminates, with noise. The sample file stores the mean
+        // radiance instead.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }

@@ -27,9 +27,9 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest error, px, of the transform `taken` compared with `truth` over a box. The distance
-// between the two images of a point is a convex function of the point, so it is largest at a corner of the
-// box.
+// Returns the error, px, of the transform `taken` of a box, compared with the exact transform `truth`. The
+// distance between the two images of a point is a convex function of the point. So it is largest at a corner
+// of the box.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;

@@ -113,8 +113,8 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether at least one corner of a box is in front of the camera, after the motion `pose` has been
-// applied to the box.
+// Returns whether at least one corner of a moving box is in front of the camera. The motion `pose` is applied
+// to the corners first.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,

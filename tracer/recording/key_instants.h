@@ -12,8 +12,8 @@
 namespace postlens {
 
 /// Returns the total angle, degrees, by which an object turns relative to the camera; of several objects, the
-/// greatest angle. The angle is measured between the object's directions to the camera, so it is 0 if the
-/// camera only pans or rolls.
+/// greatest angle. It is the turn of the direction from the object's centre to the camera, as seen from the
+/// object. So it is 0 if the camera only pans or rolls.
 /// Ignores infinite planes, and objects whose bounding box contains the camera.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, of a recording. It contains the frame's own instant and, unless
-    /// `between` is 0, the tested instants 0, between, 2 * between and so on.
+    /// Returns the predicted PSNR, dB, if the tested instants 0, between, 2 * between and so on are recorded.
+    /// The frame's own instant is always recorded. If `between` is 0, it is the only one.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))

@@ -20,8 +20,8 @@ using glm::dvec3;
 constexpr int tile_px = 16;
 // Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
 constexpr int pieces = 16;
-// A piece has one constant width. So a piece at the tip of a cone is halved, up to this number of times, if
-// its ends have very different widths.
+// Each piece has one constant width. So a piece of a cone is halved, up to this number of times, if one end
+// is more than twice as wide as the other end.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -333,7 +333,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
     // Limits memory. Each piece of a narrow object needs at least three quadtree cells, so this many pieces
-    // exceed the largest number of cells.
+    // need more cells than are allowed.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

@@ -36,8 +36,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a range
-    /// whose size is a power of two, so it is repeated until the value is less than n (cycle walking).
+    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a larger
+    /// range, whose size is a power of two. It is repeated until the value is less than n (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);

@@ -23,8 +23,8 @@ class Strata {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes one point for each of the samples first .. first + lanes - 1. The unit square is divided into n
-    /// cells of equal area, and each of the n samples has a cell of its own.
+    /// Writes one point for each of the samples first .. first + lanes - 1. Each of the n samples has its own
+    /// cell of the unit square, and all cells have the area 1/n.
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;

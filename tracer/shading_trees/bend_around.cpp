@@ -28,8 +28,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of those hits of a sample that have the same path as a given hit, with reflections and refractions
-/// at the same objects.
+/// Summary of those hits of a sample that are reached like a given hit: by the same path, over the same
+/// mirrors and glass objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
     bool any = false;    ///< there is such a record

@@ -69,8 +69,8 @@ class Follower {
     }
 
     // Returns the distance, m, from which the ray continues after its last hit. This is just before the hit,
-    // because another surface may touch the surface there. If the hit repeated an earlier one, it is just
-    // behind it.
+    // because another surface may touch the surface there. If the hit repeated an earlier one, the ray
+    // continues just behind it.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -84,14 +84,14 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // If motion may reveal hidden surfaces, tests after each hit whether the ray must still continue. As
-        // soon as no moving object remains ahead, it may end.
+        // If motion may reveal hidden surfaces, tests after each hit whether the ray must continue. As soon
+        // as no moving object remains ahead, the ray may end.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
   private:
-    // Adds a hit to the list of surfaces that the ray has passed. Skips hits where the ray leaves an object,
-    // and repeated hits of the same surface.
+    // Adds a hit to the list of surfaces that the ray has passed. Skips hits where the ray leaves an object
+    // that it entered before, and repeated hits of the same surface.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;

@@ -30,8 +30,8 @@ class LensReach {
     /// Margin, px, around the strip of hidden surfaces seen past an edge, because edges are found only to a
     /// pixel and whole pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// A depth edge lies between two pixels if their surfaces move apart when the lens point moves from the
-    /// lens centre to the rim. They must move apart by at least this fraction of the pixels' distance.
+    /// A depth edge lies between two pixels if the parallax of their surfaces differs. From lens centre to
+    /// rim, the surfaces must move apart in the image by at least this fraction of the pixels' distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.

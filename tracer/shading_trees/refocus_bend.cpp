@@ -20,8 +20,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // points, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
 // Newton's method adjusts the direction of a ray. It ends when the last step moves the ray by at most
-// settled_px on the raster, or when the estimated error is at most settled_share of the ray's deviation from
-// its linear prediction.
+// settled_px on the raster. It also ends when the estimated error is at most settled_share of the ray's
+// deviation from the linear prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // After the first Newton step, the remaining error is estimated to be this fraction of the step. After later
 // steps, it is estimated from the ratio of the last two steps.

@@ -107,7 +107,7 @@ class WhittedTracer {
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
     /// An image's deviation from linear motion over the lens is taken from neighbouring samples if it is at
-    /// most this, px. If it is greater, the neighbouring samples must also be similar.
+    /// most this, px. If it is greater, it is taken only if the neighbouring samples agree.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

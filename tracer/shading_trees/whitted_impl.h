@@ -88,8 +88,8 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // The radiance of these surface hits is the mean of several rays, into a glossy lobe (`lobes`) or to
-        // points of an area light (`extents`).
+        // The radiance of these surface hits is the mean of several rays. The rays go into a glossy lobe
+        // (`lobes`) or to points of an area light (`extents`).
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -122,8 +122,8 @@ struct WhittedTracer::Impl {
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
     // Stores the hit of a reflected or refracted ray, so that hidden surfaces behind it can be found later.
-    // Skips the hit if no lens point can see such surfaces, or if the ray leaves glass there: then the
-    // transmitted ray finds them.
+    // Skips the hit if no lens point can see a surface behind it. Also skips it if the ray leaves glass
+    // there, because the transmitted ray finds the surfaces behind.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Finds the hidden surfaces that a lens sees in mirrors or through glass, and adds a layer for each. The

@@ -103,8 +103,8 @@ void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
         const Node& n = w.nodes[i];
         const dvec3 c = n.radiance * n.throughput;
         const std::uint32_t at = next[n.sample]++;
-        // Copies the record before it sets fields. If fields of the source were set first, the copy would
-        // stall until they are written.
+        // Copies the record before it sets fields. If fields of n.record were set first, the copy would stall
+        // until they are written.
         Record& r = out.records[at];
         r = n.record;
         r.x = static_cast<float>(w.positions[n.sample].x);
