@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// Below this `rim_scale`, cat's-eye vignetting is ignored. The vignetting rim, projected onto the lens, then
-/// has a radius (1 / rim_scale) above 20 lens radii.
+/// A rim over 20 times as large as the lens (radius 1 / rim_scale, in lens radii) is treated as if it caused
+/// no vignetting.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
 /// random lens points are drawn.
@@ -132,8 +132,8 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
 // Returns the fraction of the unit disc inside the vignetting rim. The rim is projected onto the lens.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
-    // The vignetting rim, projected onto the lens, is a circle of radius r. Its centre is at distance d from
-    // the lens's centre, in lens radii.
+    // The vignetting rim is a circle of radius r, and its centre is at distance d from the lens centre.
+    // Lengths are in lens radii.
     const double r = 1 / rim_scale;
     const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
     if (d >= 1 + r) return 0;

@@ -68,8 +68,8 @@ class Aperture {
     /// 0.05, returns a square that blocks no light.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if cat's-eye vignetting at image position `field` does not block light through point q of
-    /// the aperture.
+    /// Returns false if cat's-eye vignetting blocks the light that crosses the aperture at point q and
+    /// travels to image position `field`.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Returns the fraction of the aperture's light that cat's-eye vignetting leaves at image position
     /// `field`. It is exact for a disc; for other shapes, its error is about 1e-3 at distant scene points.

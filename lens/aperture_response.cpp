@@ -193,8 +193,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
     // centre. R stands for `radius_px`, and S for `spherical_px`.
     const double rim = rim_of(aperture), square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // If defocus and spherical aberration have opposite signs, rays through an inner zone may land farther
-    // out than rays through the rim.
+    // The ray through the lens rim lands farthest out, unless defocus and spherical aberration displace it in
+    // opposite directions. Then a ray nearer to the lens centre may land farther out.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));

@@ -26,8 +26,8 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width, in px, of a blur kernel's outline. `with_area` widens narrower outlines, which would
-/// cover no pixels if their area were 0. See ApertureImage::map_px.
+/// Smallest half width, in px, of a blur kernel's outline. `with_area` widens a narrower kernel to this size,
+/// because a kernel without area would cover no pixels. See ApertureImage::map_px.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 

@@ -64,8 +64,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // A polygon's energy is the signed sum of the energies to the right of its sides. So a side left of
-        // the grid adds to whole rows.
+        // This polygon side adds energy to all pixels on its right. So the part of the side that lies left of
+        // the grid adds energy to every pixel of the row.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;

@@ -23,8 +23,9 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Widens the ellipse only along its minor axis. Its matrix, with squared semi-axes, is minor I +
-        // (major - minor) a a^T, with the direction a of the major axis.
+        // The ellipse is narrower than smallest_px, so its semi-minor axis is set to smallest_px. With the
+        // squared semi-axes `minor` and `major`, and the direction a of the major axis, the matrix of an
+        // ellipse is minor I + (major - minor) a a^T.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;

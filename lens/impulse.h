@@ -40,8 +40,8 @@ struct Impulse {
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text,
                                     bool real_lenses = true);
 
-/// Returns the file that an impulse response reads, or an empty string. `text` is the argument of
-/// `--impulse`.
+/// Returns the file name in the argument `text` of `--impulse` (image:FILE or lens:FILE), or an empty string
+/// if it names no file.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
 /// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical is out of range, or does not apply to this

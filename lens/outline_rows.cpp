@@ -17,16 +17,16 @@ struct Piece {
 /// Returns how much of the pixel [x, x + 1) lies to the right of a straight piece of the outline: the mean
 /// fraction over the piece's height.
 double right_of(const Piece& p, double x) {
-    // The fraction of a pixel to the right of a vertical line at x = `at` is clamp(x + 1 - at, 0, 1).
-    // `integral` is its antiderivative.
+    // A vertical line at x = `at` has the fraction clamp(x + 1 - at, 0, 1) of the pixel [x, x + 1) on its
+    // right. `integral` is the integral of this fraction over `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // An almost vertical piece has a width of nearly 0, by which the formula below would divide. Uses the
-    // value at the piece's midpoint instead.
+    // An almost vertical piece of the outline has nearly no width to divide by. It is treated as a vertical
+    // line through its midpoint.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -46,8 +46,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // Corners are in clockwise order as seen with y pointing down. So a side that runs upwards is on the
-        // polygon's left, and gets the sign +1.
+        // A side on the polygon's left has the sign +1, and a side on its right has -1. Left sides run
+        // upwards, because the corners are in clockwise order (with y pointing down).
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }

@@ -29,8 +29,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // Hyperfocal distance minus focal length. It is infinite for coc_limit_mm = 0. The formulas for a finite
-    // focus distance only divide by it, because infinity / infinity is NaN.
+    // The hyperfocal distance is q + F, with the focal length F. If coc_limit_mm is 0, q is infinite. So the
+    // formulas below use s / (1 + (s - F) / q), because q s / (q + s - F) would be NaN.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

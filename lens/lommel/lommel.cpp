@@ -29,7 +29,8 @@ double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first)
     return sum * std::pow(ratio, static_cast<double>(first));
 }
 
-/// Q_2s(v), a sum of products of Bessel functions [born1999, 8.8, eq. 27].
+/// Returns Q_2s(v) of Lommel's formulas for the encircled energy [born1999, 8.8, eq. 27]. `j` contains the
+/// Bessel functions J_0(v), J_1(v), ...
 double q_function(const std::vector<double>& j, std::size_t two_s) {
     double sum = 0;
     for (std::size_t p = 0; p <= two_s; ++p) {
@@ -39,7 +40,8 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, .. with Q_2s from q_function.
+/// Returns the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..., which occurs in Lommel's
+/// formulas for the encircled energy [born1999, 8.8, eqs. 29 and 30].
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -55,8 +57,9 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Over the pupil, the phase of the integrand changes by at most u + v radians. Each panel of 16
-    // quadrature nodes covers a change of at most pi, which it integrates up to rounding error.
+    // The integral over the pupil is divided into panels. The integrand's phase changes by at most u + v
+    // radians in total, so by at most pi in one panel. 16 quadrature nodes then integrate a panel up to
+    // rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +81,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions [born1999, 8.8]. `odd` is U1 / x
-        // and `even` is U2 / x^2, so u may be 0.
+        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and U2 [born1999, 8.8]. To
+        // avoid a division by u = 0, `odd` is U1 / x and `even` is U2 / x^2.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

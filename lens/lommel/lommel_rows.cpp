@@ -21,10 +21,12 @@ struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums x^n J_n(v), with Bessel functions J_n, separately over odd and even n. Signs alternate in each sum.
-/// Uses upward recurrence, which is stable for orders n < v:
+/// Sums the terms t_n = x^n J_n(v), with Bessel functions J_n, over odd n (`odd`) and over even n (`even`).
+/// The signs of consecutive terms in a sum alternate. Each term is computed from the two terms before it:
 ///
-///     t_(n+1) = n c t_n - x^2 t_(n-1)    with t_n = x^n J_n and c = 2 x / v
+///     t_(n+1) = n c t_n - x^2 t_(n-1)    with c = 2 x / v
+///
+/// This recurrence is stable for n < v.
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {

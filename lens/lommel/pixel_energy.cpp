@@ -14,10 +14,11 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Returns the energy that flows through a pixel border near the centre. The border runs from y0 to y1 at
-/// distance `x` from the centre.
+/// Integrates the energy flow through a pixel border near the blur kernel's centre. The border is at distance
+/// `x` from the centre, and extends from y0 to y1.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // At smaller distances from the kernel's centre, the energy flow through a pixel border is negligible.
+    // Energy flows radially away from the kernel's centre. So almost none crosses a border whose line passes
+    // the centre at less than this distance.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
@@ -40,14 +41,14 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Fringes narrower than this width, in px, are averaged out. 70 % of the distance between quadrature nodes
-/// on a pixel border gives the smallest error.
+/// Averages diffraction fringes over this width, in px, because the quadrature nodes on a pixel border cannot
+/// resolve narrower fringes. 70 % of the distance between two nodes gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2), with the energy L within radius r. If L flows outwards, this times x flows
-/// through each px of a pixel border at distance x from the centre.
+/// Tabulates L / (2 pi r^2) over the distance r from the blur kernel's centre, where L is the energy within
+/// r. Times the distance x of a pixel border from the centre, this is the energy flow per px of the border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -71,9 +72,9 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy that flows through a pixel border parallel to the y axis. The energy L(r) within
-/// radius r is treated as flowing outwards through the circle of radius r: L(r) / (2 pi r) per px of
-/// circumference. So the net outflow of a pixel is its energy.
+/// Integrates the energy flow through a pixel border parallel to the y axis. The flow is radial: the energy
+/// L(r) within radius r of the blur kernel's centre leaves evenly through the circle of radius r. So the net
+/// outflow of a pixel is its energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -147,8 +148,9 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The table of energy over radius must reach the corners of a square around the grid, because Borders
-    // computes square quadrants. Smoothing the diffraction fringes needs 4 smoothing_px more.
+    // The class Borders computes one quadrant of a square around the blur kernel's centre, so the energy must
+    // be known up to the square's corners. Averaging over diffraction fringes needs a further margin of
+    // 4 smoothing_px.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -22,7 +22,8 @@ class RadialEnergy {
     /// at least `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
-    /// Like the constructor above, but makes its own tables of Bessel functions.
+    /// Computes the encircled energy at defocus u up to the optical radius v_end, with its own tables of
+    /// Bessel functions.
     RadialEnergy(double u, double v_end);
 
     [[nodiscard]] double u() const { return u_; }
@@ -34,7 +35,8 @@ class RadialEnergy {
     /// integrals gives the mean of `within` over an interval, in which narrow diffraction fringes average
     /// out.
     [[nodiscard]] double within_integral(double v) const;
-    /// Returns the intensity at the optical radii i * step(), i = 0, 1, ..., relative to the peak in focus.
+    /// Returns the intensity at the optical radii v = 0, step(), 2 step(), ..., as a fraction of the peak
+    /// intensity in focus.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 

@@ -30,11 +30,12 @@ class RadialProfile {
     /// The radius must be at least 3/2 width_px from 0 and from end_px(), because the average extends so
     /// far.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns the energy within a radius, averaged as by `smoothed_within`, for `count` radii. They begin at
-    /// begin_px and increase by width_px / row_steps. This is faster than single calls.
+    /// Returns smoothed_within(radius, width_px) for `count` radii, faster than single calls. The first
+    /// radius is begin_px, and the radii are width_px / row_steps apart.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
-    /// Returns the energy per px^2 at a radius, from Lommel's formula for the diffraction intensity.
+    /// Returns the fraction of the blur kernel's energy per px^2 at a distance from the kernel's centre, by
+    /// Lommel's formula for diffraction.
     [[nodiscard]] double density(double radius_px) const;
 
   private:

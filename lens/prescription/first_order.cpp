@@ -103,8 +103,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // Ratio angle / height, at the first vertex, of rays from the object point on the axis. It is 0 at
-    // infinity.
+    // Traces a ray from the object point on the axis, with height 1 and slope t at the first lens surface.
+    // The point's image is where the ray meets the axis behind the lens. t is 0 for an object at infinity.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

@@ -235,7 +235,8 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // The file gives fields as heights, which were read as if they were angles.
+    // The reader stores all field values of the file as angles. If the file's key FTYP says that they are
+    // heights, they are discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

@@ -1,5 +1,5 @@
-// Impulse responses of a traced lens, interpolated between precomputed ones. Each is precomputed as a fan: a
-// bundle of rays from one object point through the lens.
+// Impulse responses of a ray-traced lens, interpolated in a table of fans. A fan is a bundle of rays from one
+// object point through the lens.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,8 @@ namespace postlens {
 /// for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths up to the given one or, if larger, that of the focus, and angles up to
+    /// Traces fans for object points with inverse depths from 0 to largest_inverse_depth_per_m, or to the
+    /// focus if that is nearer. The tangent of a point's angle from the axis ranges from 0 to
     /// `widest_tangent`. Fans of nearer points are extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
@@ -23,10 +24,11 @@ class FanTable {
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the blur kernels' radius divided by the film distance, at an inverse depth.
+    /// Returns an upper bound of the blur kernel's radius at an inverse depth, as a fraction of the film
+    /// distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the blur kernel changes over the image: px of a ray's displacement
-    /// per px of image position.
+    /// Returns an upper bound of how fast the blur kernel changes over the image. If the object point's image
+    /// moves by 1 px, each ray's displacement from this image changes by at most this many px.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -14,7 +14,8 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Error, in mm, of the model's x or y of one ray's landing point. It is linear in the coefficients.
+// Error, in mm, of one coordinate (x or y) of the film point at which the model predicts a ray to land. It is
+// linear in the model's coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
     LandingResidual(const std::array<double, polynomial_terms>& terms, double mm) : terms_(terms), mm_(mm) {}
@@ -74,9 +75,11 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals that fit the pupil's model, three intersecting circles, to its traced edge, at the scaled
-// field tangent T and defocus K. The edge lies halfway between neighbouring rays of which only one passes the
-// lens. Lengths are in pupil radii.
+// Fits the model of the pupil, the intersection of three circles, to the edge of the traced pupil. Adds a
+// residual for each pair of neighbouring rays of which only one passes the lens, because the edge lies
+// between them.
+// - T, K: field tangent and defocus, each divided by its largest value
+// - radius_mm: pupil radius, the unit of the circles
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);

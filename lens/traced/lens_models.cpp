@@ -127,8 +127,8 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // Inverse distance, in 1/m, at which paraxial rays are in focus. A focus distance in the settings is used
-    // instead.
+    // `own` is the inverse distance, in 1/m, of object points whose paraxial rays meet on the film. A focus
+    // distance in the settings takes precedence.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;
@@ -183,8 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // A ray that passes only one of model and traced lens is compared with the nearest ray, in the pupil,
-    // that passes both.
+    // Some rays pass the traced lens but not its model, or vice versa. The landing point of such a ray is
+    // compared with that of the nearest ray in the pupil that passes the lens and the model.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

@@ -37,8 +37,9 @@ inline constexpr std::size_t pupil_terms = 13;
 /// 1/s (depth z', focus distance s).
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// In the polynomial lens model, the pupil is the intersection of three circles. This is one of them, in
-/// pupil radii. T is the field tangent and K the defocus, each divided by its largest value.
+/// One of the three circles whose intersection is the pupil of the polynomial lens model. Its centre and
+/// radius, in pupil radii, depend on the field tangent T and the defocus K, each divided by its largest
+/// value.
 /// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
 /// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
@@ -112,7 +113,8 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens, by least squares over a range of depths and fields. The
-/// pupil's circles start as paraxial images of the stop and the rims.
+/// model's pupil is the intersection of three circles. The fit starts with the paraxial images of the stop
+/// and the lens rims.
 ///
 /// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,

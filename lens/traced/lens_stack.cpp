@@ -49,8 +49,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // A very distant ray origin makes the intersection imprecise. So the ray's point nearest to the vertex
-    // replaces the origin. A second pass corrects rounding errors.
+    // If the ray's origin is very far away, rounding makes the intersection imprecise. So the origin is moved
+    // along the ray to the point nearest to the surface's vertex. A second pass corrects rounding errors.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;

@@ -12,7 +12,8 @@ using glm::dvec2;
 
 namespace {
 
-/// Number of points of the distortion curve. Cubic interpolation then has a relative error below 1e-7.
+/// Number of rays that are traced to tabulate the distortion of the lens. Cubic interpolation between the
+/// tabulated points has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
 /// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
 constexpr double small_tangent = 1e-4;

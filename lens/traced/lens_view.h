@@ -39,7 +39,8 @@ class LensView {
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
     /// Returns the thin lens with the real lens's focal length, pupil and focus distance.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Returns the scale of the undistorted (paraxial) image: mm on the film per unit of the field tangent.
+    /// Returns the scale of an image without distortion: the distance of an image point from the film centre,
+    /// in mm, divided by the tangent of its angle from the axis.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
     /// Computes the ray in the scene whose light reaches a pixel through one point of the lens. `tangent` is

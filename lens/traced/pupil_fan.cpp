@@ -150,8 +150,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The rays through this pupil cell cross, so the outline of its image on the film crosses itself. The
-        // cell is split into two triangles, whose outlines cannot.
+        // The landing points of the four rays at this pupil cell's corners do not form a convex
+        // quadrilateral, so its outline may cross itself. It is split into two triangles.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

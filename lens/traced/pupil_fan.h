@@ -36,9 +36,9 @@ struct PupilFan {
 };
 
 /// Traces a fan: rays from one object point through the lens. Returns false if no light passes.
-/// - inverse_depth_per_m: 0 at infinity, negative for converging light
-/// - tangent: tangent of the field angle, >= 0
-/// - near_m: pupil point where the search for passing rays begins; set to the centre of these rays
+/// - inverse_depth_per_m: inverse depth of the object point; 0 at infinity, negative for converging light
+/// - tangent: tangent of the object point's angle from the axis, >= 0
+/// - near_m: pupil point where the search for passing rays begins; set to the centre of the passing rays
 /// - out: the fan; unchanged if no light passes
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
@@ -52,8 +52,8 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, px from the response's raster position
 };
 
-/// Returns the radius, in px, of the impulse response that the rays of `fan` give. It is the largest distance
-/// of a landing point from the object point's pinhole image.
+/// Returns the radius, in px, of a fan's impulse response: the largest distance from the object point's
+/// pinhole image to a point where a ray of the fan lands.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
 /// Computes the impulse response on the pixel grid. The rays of `fan` form a mesh, and the light of each mesh

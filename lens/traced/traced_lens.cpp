@@ -91,8 +91,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // Focusing moves the entrance pupil, but not the pinhole from which the object's depth and tangent are
-    // measured.
+    // The object's depth and field angle are measured from the pinhole, and the ray starts at the entrance
+    // pupil. The pinhole and the pupil differ in position, because focusing moves only the pupil.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -198,8 +198,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The distances of object and image from the focal points have the product n' efl^2 (index n'), so their
-    // sum, smallest if they are equal, is at least 2 sqrt(n') efl.
+    // By Newton's equation, the object's distance from the front focal point times the image's distance from
+    // the rear focal point is n' efl^2 (image index n'). So the sum of these distances is at least
+    // 2 sqrt(n') efl.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -375,8 +376,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near the expected pupil, because strong aberrations have moved the pupil. Searches
-        // all rays that meet the first lens surface.
+        // No ray passes near `centre`, because strong aberrations have moved the pupil. So all rays that meet
+        // the first lens surface are searched.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);

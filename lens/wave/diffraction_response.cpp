@@ -117,7 +117,8 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // Computes the sizes of all responses first, so that insufficient memory is reported early.
+    // Computes the sizes of all impulse responses before the first response, so that insufficient memory is
+    // reported early.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

@@ -43,11 +43,11 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns the radius v beyond which diffraction spreads about the fraction `tail` of the energy at defocus
-/// u. It solves (2/pi) v / (v^2 - u^2) = tail. u and v are in optical units [born1999, 8.8.1].
+/// Estimates the radius v outside which the fraction `tail` of a diffraction pattern's energy lies, at the
+/// defocus u. Solves (2/pi) v / (v^2 - u^2) = tail. u and v are in optical units [born1999, 8.8.1].
 ///
-/// The radius can be too small by the width of one diffraction fringe. It is too large near the geometric
-/// edge v = |u|.
+/// The estimate may be too small by the width of one diffraction fringe. It is too large near the edge of the
+/// geometric disc, v = |u|.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

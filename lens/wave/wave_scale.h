@@ -23,13 +23,15 @@ inline constexpr double largest_u = 1e6;
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns u and v_per_px for a thin lens focused at s > F, with a finite f-number. u is v_per_px times the
-/// radius of the circle of confusion in px, so the geometric disc ends at v = |u|.
+/// Returns the scales of diffraction for a thin lens focused at s > F, with a finite f-number: v_per_px, and
+/// the defocus u. The edge of the geometric disc is at the radius v = |u|, because |u| is v_per_px times the
+/// radius of the circle of confusion, in px.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda gain_px) and u =
-/// v_per_px coc_diameter_px / 2. Aperture radius a, gain_px and coc_diameter_px are members of FocusGeometry.
+/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda gain_px) and the defocus
+/// u = v_per_px coc_diameter_px / 2. lambda is the wavelength. Aperture radius a, gain_px and coc_diameter_px
+/// are members of FocusGeometry.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
