@@ -47,10 +47,11 @@ inline constexpr std::uint8_t wanted_mark = 2;
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the mean of the views (images at different instants) in the tiles that overlap `crop`.
-/// PatchPicture::unknown is 0 where nothing moves.
+/// Draws the mean of the views (images at different instants) in the tiles that overlap `crop`. Pixels over
+/// which nothing moves count as fully recorded: PatchPicture::unknown is 0.
 ///
-/// `field.sets` must have one element, and `field.class_marks` must not be empty.
+/// `field.sets` must have one element. `field.class_marks` must not be empty, because it marks moving
+/// objects.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
 /// Copies the pixels of `seen` that have one of the flags `marks` to `image`. Fills gaps with the colours of

@@ -29,7 +29,8 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Limit for Crossing::most_mse. Below it, the measured PSNR was at least 45 dB.
+/// Largest error (Crossing::most_mse) with which the method `automatic` convolves groups of moving objects
+/// that pass over the same pixels. Up to this value, the measured PSNR was at least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -88,8 +89,8 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // Searches the frame's other recorded instants too, because an object may move differently there, or
-        // be recorded only there.
+        // Also classifies the objects in the frame's other recorded instants, because an object may move
+        // differently at these instants, or be recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -187,7 +188,7 @@ class MotionBlur {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
         };
-        // The margin of 2 pixel rows covers the extent of the samples and the rounding of the motion path.
+        // A margin of 2 pixel rows allows for the width of a sample and the rounding of the motion path.
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
@@ -250,7 +251,9 @@ class MotionBlur {
         });
     }
 
-    /// With the method `automatic`, leaves overlapping groups with a large error to the method `lightfield`.
+    /// Blurs groups of moving objects by convolution. With the method `automatic`, leaves a group to the
+    /// method `lightfield` if another group passes over the same pixels and convolution would cause a large
+    /// error.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -280,8 +283,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // No pixel is static, so the whole image is drawn again to interpolate the background. Otherwise,
-            // the background would depend on the crop.
+            // Unrecorded background is interpolated from static pixels. Without static pixels, it is
+            // interpolated from the blurred image. The whole image is blurred for this, because the result
+            // must not depend on the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }

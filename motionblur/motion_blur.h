@@ -27,8 +27,8 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of instants that method lightfield averages
     std::vector<ObjectPath> paths;  ///< replace the motion that the file states for these objects
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// Only this part of the image is computed, with unchanged bits. The rest is undefined, and does not
-    /// count in reported fractions of pixels.
+    /// If set, only this part of the image is computed, and is bit-identical to this part of the whole image.
+    /// Pixels outside are undefined, and do not count in reported fractions of pixels.
     std::optional<Crop> crop;
 };
 

@@ -30,8 +30,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// The object moves parallel to the film, with parallax: each point's displacement is proportional to its
-    /// inverse depth, within 0.25 px.
+    /// Parallel to the film, but near points move farther than distant points: within 0.25 px, displacements
+    /// are proportional to inverse depths.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -44,8 +44,8 @@ struct IdMotion {
     /// How differently parts of the object move: largest difference, in px, between the displacements of a
     /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, if the displacements of the bounding box's corners are predicted from their
-    /// depths (parallax) alone.
+    /// Largest error, in px, if the displacements of the bounding box's corners are assumed to depend only on
+    /// their depths (parallax).
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m

@@ -205,7 +205,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether the motion `map` moves the part of an object that the border cuts off into the frame.
+/// The border of the traced area may cut off a part of an object. Returns true if the motion `map` moves this
+/// missing part into the image.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -353,8 +354,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // With a moving camera, every surface at the border moves and would warn here. Method lightfield
-        // warns with "uncovered" instead.
+        // If the camera moves, all surfaces at the border move, and all would cause the warning "overscan".
+        // The method lightfield gives the warning "uncovered" instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

@@ -12,9 +12,12 @@
 namespace postlens {
 
 /// Effects that cannot be shown by moving the recorded surfaces of one instant:
-/// - "reflection": a mirror or glass shows an object that moves differently from it.
-/// - "shadow": a moving object, tested by its bounding sphere, may block the light.
-/// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to it.
+/// - "reflection": a mirror or glass shows an object that moves differently from the mirror or glass.
+/// - "shadow": a moving object may block the light. Its bounding sphere is tested.
+/// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to a
+///   light.
+///
+/// If possible() returns true, call add() for all pixel rows of the frame, and then warnings().
 class UnseenMotion {
   public:
     /// `moving`: sorted ids of the moving objects. `header` must outlive this object.
@@ -25,8 +28,7 @@ class UnseenMotion {
     UnseenMotion(UnseenMotion&&) = delete;
     UnseenMotion& operator=(UnseenMotion&&) = delete;
 
-    /// Returns false if the motion cannot change shadows, reflections or shading. If it can, call add() for
-    /// all pixel rows of the frame, and then warnings().
+    /// Returns false if the motion cannot change shadows, reflections or shading.
     [[nodiscard]] bool possible() const;
     /// Tests the surfaces recorded in pixel rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
@@ -43,9 +45,10 @@ class UnseenMotion {
 /// `text` is a format string for the percentage of affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether a part of the object that lies outside the traced area would be visible during the
+/// Returns whether a part of the object lies outside the traced area, but would be visible during the
 /// exposure.
-/// - `instants`: bounding boxes of all objects at the usable instants, the frame's time first
+/// - `instants`: bounding boxes of all objects at each recorded instant that may be used; the frame's time
+///   comes first
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

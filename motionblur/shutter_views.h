@@ -37,8 +37,8 @@ struct ShutterView {
     glm::dvec2 place{0.5, 0.5};  ///< sample position in the pixel, px
     double time_s = 0;
 };
-/// Returns the views of an exposure. Their instants are distributed like the shutter's transmission, and
-/// their sample positions are distributed over the pixel.
+/// Returns an instant and a sample position in the pixel for each view of an exposure. The more light the
+/// shutter transmits, the denser the instants are. The sample positions are spread over the pixel.
 [[nodiscard]] std::vector<ShutterView> shutter_views(const ShutterCurve& curve, const Exposure& exposure,
                                                      int views);
 

@@ -15,11 +15,11 @@ namespace postlens {
                                                        const std::vector<RecordBand>& bands,
                                                        const std::vector<std::uint32_t>& ids);
 
-/// Replaces pixels without motion (`touched` is 0) by their mean over all recorded instants, because shadows
-/// and lights may change.
+/// Replaces each pixel over which nothing moves (`touched` is 0) by its mean over all recorded instants,
+/// because shadows and lights may change.
 /// - `shares`: weights of the instants
-/// - `elsewhere`: sorted ids of moving objects; if a pixel shows one at an instant, its mean leaves out this
-///   instant
+/// - `elsewhere`: sorted ids of moving objects; the mean leaves out instants at which the pixel shows one of
+///   these objects
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

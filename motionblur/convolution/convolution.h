@@ -37,8 +37,8 @@ enum class ConvolutionMethod { automatic, direct, fft };
 /// Slow reference of `convolve` for tests: sums cell by cell in double precision.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
-/// Predicted times of both methods on one thread, in seconds. They hold for the computer described in
-/// docs/performance.md.
+/// Predicted times of direct convolution and of FFT convolution on one thread, in seconds, for the computer
+/// described in docs/performance.md.
 struct ConvolutionCosts {
     double direct_s = 0, fft_s = 0;
 };

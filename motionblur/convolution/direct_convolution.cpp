@@ -88,8 +88,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Time for transposing the object's image and the result, in multiples of the time for one weight of the
-    // blur kernel.
+    // Transposing the object's image and the result takes about as long as applying 12 weights of the blur
+    // kernel.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -113,13 +113,13 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One weight of the blur kernel, and the memory offset `at` of the value that it multiplies.
+/// One weight of the blur kernel. It multiplies the value at the memory offset `at` from the computed pixel.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// Adds the pixels below a run of equal kernel weights: weight * (sum[high] - sum[low]), with the prefix sums
-/// of an image row.
+/// A run of equal weights in a row of the blur kernel. It adds weight * (sum[high] - sum[low]) to the
+/// computed pixel, where `sum` contains the prefix sums of an image row.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -163,7 +163,8 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Direct convolution. It pads the object's rows with zeros, because a tile may extend beyond them.
+/// Convolves the object's image directly. Computes `tile` columns of the result at once, and pads the image's
+/// rows with zeros, because the columns of a tile may need values beyond the ends of a row.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -322,7 +323,7 @@ double direct_cost_s(const ConvolutionTask& task) {
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
     // Times measured with the benchmark `one_object/direct`. Copying more than `large_values` values is
-    // slower, because the system first has to provide the memory.
+    // slower, because the operating system must first provide memory pages.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

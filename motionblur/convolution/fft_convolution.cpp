@@ -224,7 +224,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Finds the columns of each row of the result that can be nonzero.
+    /// For each row of the convolution's result, finds the range of columns that may contain nonzero values.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {

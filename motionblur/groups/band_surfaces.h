@@ -1,4 +1,5 @@
-// Reads rows of records, and finds the surfaces in the quadtree leaves of each pixel.
+// Reads pixel rows of a sample file, and finds the recorded surfaces in each pixel. A quadtree divides the
+// pixel into leaves, with samples at their corners.
 #pragma once
 
 #include <functional>

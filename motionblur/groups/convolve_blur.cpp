@@ -12,11 +12,13 @@
 namespace postlens {
 namespace {
 
-/// Weighted sums over the static surfaces of one pixel between the depths of two moving groups.
+/// Sums over the static surfaces of one pixel in one interval of depths, between two moving groups. The
+/// weight of a sample is its area.
 struct Between {
     std::array<double, 3> colour{};
-    /// Coverage = covered / known. `known` leaves out samples whose stored surfaces are all nearer than these
-    /// depths.
+    /// The surfaces in this interval of depths cover the fraction covered / known of the pixel. `known` does
+    /// not count samples whose recorded surfaces are all nearer than the interval, because surfaces behind
+    /// them are not recorded.
     double covered = 0, known = 0;
 };
 
@@ -176,15 +178,17 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Returns an upper bound of the summed squared error of convolution where one moving group occludes another:
-/// variance of the coverage times variance of the light, for radiances up to 1.
+/// Convolution is wrong where the coverage of a nearer moving group and the light of a farther group change
+/// at the same time. Returns an upper bound of the squared error, summed over pixels: variance of the
+/// coverage times variance of the light, for radiances up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // A coverage with the mean c has at most the variance c (1 - c).
+            // The coverage, between 0 and 1, has the mean c over the exposure. So its variance is at most
+            // c (1 - c).
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

@@ -17,7 +17,8 @@ namespace postlens {
 /// coverage and the farther group's light are correlated in time.
 struct Crossing {
     std::size_t other = 0;  ///< index of the crossing group with the largest error
-    /// Upper bound of the mean squared error over the pixels of the moving group, for radiances up to 1.
+    /// Upper bound of the mean squared error over the pixels that this moving group passes, for radiances up
+    /// to 1.
     double most_mse = 0;
 };
 

@@ -112,7 +112,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // If v is uniformly distributed in [low, high], area * (1 - v / low) has the same mean as max(0, 1 + v).
+    // A surface element's projected area is max(0, 1 + v), where v is linear in the displacement. If v is
+    // less than -1, the element faces away. This area is replaced by the linear area * (1 - v / low), which
+    // has the same mean if v is uniformly distributed in [low, high].
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -128,7 +130,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // About four quadtree cells meet at each sample, and each cell adds one quarter (Piece) of itself.
+    // About four quadtree leaves meet at a sample, and each leaf adds one Piece for the sample.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

@@ -1,4 +1,5 @@
-// Divides a moving group of objects with parallax into depth slices, each with its own path.
+// Divides a group of moving objects into depth slices. Each slice has its own motion path, because near
+// surfaces move farther in the image than distant surfaces (parallax).
 #pragma once
 
 #include <glm/glm.hpp>
@@ -30,19 +31,23 @@ struct PathAxis {
 /// the perpendicular direction.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// Projected area of a small surface element while it moves, relative to its recorded area:
+/// Area that a small surface element covers in the image while it moves, as a fraction of the area that was
+/// recorded. It changes linearly with the displacement path(t), in px:
 ///
-///     area + sum over the axes of rate_per_px * (path(t) . axis)
+///     area + sum over the axes (PathAxis) of rate_per_px * (path(t) . axis)
 ///
-/// path(t) is the displacement, in px. The formula is exact for translations parallel to the film.
+/// The formula is exact for translations parallel to the film.
 struct Stretch {
     double area = 1;
-    /// Relative change of the projected area per px of displacement along each axis.
+    /// For each PathAxis: change of the surface element's relative area per px of displacement along the
+    /// axis.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Colours and coverage of a depth slice (surfaces at similar depths) that is displaced by p, in px:
+/// Image (colours and coverage) of a depth slice. It depends on the slice's displacement p, in px, because
+/// the projected areas of surfaces change while they move. `flat` is the image at the smallest displacement
+/// along each axis, and `stretched` is the change per px along an axis:
 ///
 ///     flat + sum over the axes a (PathAxis) of stretched[a] * (dot(p, a.direction) - a.low_px)
 struct SliceRaster {
@@ -69,8 +74,7 @@ class DepthSlices {
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// One quarter of a quadtree cell (a pixel or a part of it), with the colour of the nearest recorded
-    /// sample.
+    /// One quarter of a quadtree leaf (a pixel or a part of it), with the colour of the sample at its corner.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

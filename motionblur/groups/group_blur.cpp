@@ -57,8 +57,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // Displacements outside `reach` move the object out of the image, so they are not drawn into the blur
-    // kernel.
+    // The blur kernel is an image of the object's displacements. Displacements outside `reach` are not drawn,
+    // because they move the object out of the image.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};

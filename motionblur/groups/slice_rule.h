@@ -1,4 +1,5 @@
-// Decides whether `auto` blurs an object with parallax in depth slices or by the light field.
+// Decides how `auto` blurs a moving object whose near and far parts move differently (parallax): by
+// convolution in depth slices, or by the method lightfield.
 #pragma once
 
 #include <string>
@@ -15,19 +16,19 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns, for the area passed by a moving group, the fraction in which static surfaces lie at the group's
-/// depths.
+/// Returns the fraction of a moving group's path area in which static surfaces lie between the group's
+/// nearest and farthest depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns why convolution in depth slices is too inaccurate for a group of moving objects, so that it needs
-/// the method lightfield. Otherwise empty.
+/// Returns why convolution in depth slices is too inaccurate for a group of moving objects, which then needs
+/// the method lightfield. Returns an empty string if convolution is accurate enough.
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, i.e. the difference between the displacements of a group's nearest and farthest
-/// points, in px. For larger differences, `most_slices` depth slices would be too coarse.
+/// Largest accepted parallax, in px. Parallax is the difference between the displacements of a group's
+/// nearest point and farthest point. With more parallax, `most_slices` depth slices would be too coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

@@ -79,7 +79,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // A cubic between only two points must end at the second point. This removes the fit's rounding error.
+    // A cubic between only two points must end exactly at the second point, so the rounding error of the fit
+    // is removed.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -91,8 +92,8 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Divides the points into segments as long as one cubic follows them. If `joined`, each segment begins where
-/// the previous one ends. Stops after `most` segments.
+/// Divides the points into segments. Each segment contains as many points as one cubic can follow within the
+/// tolerance. If `joined`, each cubic begins where the previous cubic ends. Stops after `most` segments.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -141,8 +142,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a spline with `count` segments. The density of the knots follows an earlier fit,
-/// `segments`.
+/// Returns the knot times of a spline with `count` segments. The knots are close together where the segments
+/// of an earlier fit, `segments`, are short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -155,8 +156,9 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of the knots between the given segments. An abrupt change of velocity (a kink) shows as
-/// a short segment between two long ones. The knots at both ends of such a short segment are merged into one.
+/// Returns the times of the knots between the segments of a fitted motion path. At an abrupt change of
+/// velocity, the fit has a short segment between two long segments. The two knots of this short segment are
+/// merged.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };

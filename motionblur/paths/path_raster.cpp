@@ -84,8 +84,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If the ends of a path's piece are far away, rounding can move its clipped ends by more than half a
-    // cell. Clamping keeps them near the raster.
+    // The piece of the path was clipped to the raster. If its original ends were far away, rounding can move
+    // the clipped ends by more than half a cell. Clamping keeps them near the raster.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);

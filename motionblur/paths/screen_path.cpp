@@ -81,8 +81,8 @@ void require_order(double open_s, double close_s, double tolerance_px) {
 // Fractions of a linear piece's duration at which its error is measured. They are asymmetric to detect a
 // motion that turns back halfway.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Fraction of the tolerance that is accepted at the tested instants of a piece, because the error between
-// these instants can be larger.
+// The error of a linear piece is measured at a few instants, and can be larger between them. So the measured
+// error may reach only this fraction of the tolerance.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace

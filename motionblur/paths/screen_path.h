@@ -21,9 +21,10 @@ inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.
 /// - polyline: constant velocity.
-/// - catmull_rom: a cubic in time. The velocity at a knot is that of the parabola through it and its
-///   neighbours, or of the line to its only neighbour.
-/// - bezier: a cubic Bezier curve in time. Handles of a third of the distance give constant velocity.
+/// - catmull_rom: a cubic in time. The velocity at a knot is that of the parabola through the knot and its
+///   neighbours. At an end of the path, it is that of the line to the only neighbour.
+/// - bezier: a cubic Bezier curve in time. Velocity is constant if each handle reaches a third of the way to
+///   the neighbouring knot.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {

@@ -112,8 +112,9 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // If too few pixels are static, the whole image is drawn again to interpolate the background.
-        // Otherwise, the background would depend on the crop.
+        // Unrecorded background is interpolated from static pixels, or from the blurred image if too few
+        // pixels are static. The whole image is blurred for this, because the result must not depend on the
+        // crop.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

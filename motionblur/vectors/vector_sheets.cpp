@@ -35,7 +35,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory per stored pixel, doubled below because growing arrays reserve more than they use.
+        // Memory per stored pixel. Twice as much is required below, because arrays that grow reserve more
+        // than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -175,8 +176,8 @@ class SheetMaker {
         }
     }
 
-    /// Returns the velocity at the corner of pixel (x, y) that `dx` and `dy` (-1 or 1) select: the mean over
-    /// the adjacent pixels of the same surface.
+    /// Returns the velocity at one corner of pixel (x, y). This is the mean over the pixels around the corner
+    /// that show the same surface as (x, y). `dx` and `dy` (-1 or 1) select the corner.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
