@@ -275,7 +275,8 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // 8-bit and 16-bit sRGB values of 1 mean white, so the exposure is unknown unless the file states it.
+    // In an sRGB image, the value 1 means white, whatever the radiance was. So the exposure is unknown unless
+    // the file states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -35,8 +35,8 @@ inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", 
 inline constexpr std::string_view vector_words[]{"vector",        "vectors",        "forward",  "motion",
                                                  "*motionvector", "*motionvectors", "*velocity"};
 
-/// View (such as the left eye) and layer of a channel. Programs order names differently (LAYER.depth.Z,
-/// depth.LAYER.Z), so a layer is a set of words.
+/// The view (such as the left eye) and the layer of a channel. Programs write the words of a channel name in
+/// different orders (LAYER.depth.Z or depth.LAYER.Z), so `layer` contains the sorted words.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty

@@ -36,8 +36,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if an OpenEXR part may contain the Cryptomattes of the picture in the part `own`. If a
-/// separate file for ids exists, only that file's parts may.
+/// Returns true if the file part `part` may contain Cryptomattes of the image in the part `own`. If the user
+/// gave a separate file for ids, only parts of the separate file may contain them.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;

@@ -61,7 +61,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // Volumes are divided in depth only if a surface or another volume begins inside one of them.
+    // If no surface and no volume begins inside another volume, no volume needs to be divided in depth.
+    // `around` is the number of volumes that contain the current depth.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

@@ -115,8 +115,9 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    /// True if two depths differ so little that a ramp of such differences stays below least_step, the
-    /// smallest edge: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
+    /// True if no depth edge can lie between two neighbouring pixels with these depths. At an edge, the depth
+    /// changes by at least the factor 1 + least_step within longest_ramp + 1 pixels. Smaller changes cannot
+    /// add up to it: (1 + 1 / 60)^(longest_ramp + 1) < 1 + least_step.
     [[nodiscard]] static bool is_even(float a, float b) {
         constexpr double most = 1.0 / 60;
         const auto x = static_cast<double>(a), y = static_cast<double>(b);
@@ -127,8 +128,8 @@ class Mender {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         std::size_t even_end = 1;  // depths change little from `begin` to here
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
-            // Skips pixels without a depth edge nearby: depths change little over the next longest_ramp + 1
-            // pixels.
+            // No depth edge begins at the pixel `begin` if all neighbouring depths up to the pixel `last` are
+            // nearly equal.
             const std::size_t last = std::min(begin + longest_ramp + 1, count - 1);
             even_end = std::max(even_end, begin);
             while (even_end < last && is_even(at(even_end), at(even_end + 1))) ++even_end;
@@ -170,8 +171,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // Rejects a ramp (run of pixels with mixed depths) unless it changes clearly at both ends. A flat end
-        // belongs to the surface beside it.
+        // A ramp is a run of pixels whose depths are mixtures of two surfaces' depths. If the depth hardly
+        // changes at an end of the run, the pixel at this end shows only one surface, so the run is rejected.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -193,8 +194,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // Of the depths found along the row and along the column, keeps those with the larger difference: a
-        // row along an edge may contain only mixed depths.
+        // A pixel's mixed depth may be found along its row and along its column. Keeps the result whose two
+        // surfaces differ more in depth, because a row along an edge may contain only mixed depths.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

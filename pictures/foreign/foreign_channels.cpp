@@ -71,7 +71,8 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // The alpha channel of another layer is never used, because it could make opaque pixels transparent.
+        // Only an alpha channel in the same layer as the colours is used. The alpha of another layer could
+        // make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -113,7 +114,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the channel with object ids, problems of other id channels do not matter.
+        // If the user named the channel with object ids, unusable Cryptomattes in the file cause no warning.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -217,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in any part of the file. Treats it as if it were in the part with the
-            // colours, so that only its layer is compared with theirs.
+            // A Cryptomatte may belong to the colours of another file part. It gets the part of the colours
+            // here, so that match_group compares only the layers.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -111,8 +111,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If channel names contain stereo views, the colours of the view that the attribute `multiView`
-            // lists first are preferred.
+            // If channel names contain the view (left or right eye), the view that comes first in the
+            // attribute `multiView` is preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001. The layer

@@ -29,8 +29,8 @@ class ForeignDepths {
     /// Decodes the depth value stored for pixel (x, y). Returns 1 / |z|, where z is the decoded distance in
     /// the file's unit.
     float inverse(float value, int x, int y) { return inverse(value, x, y, seen_); }
-    /// Collects statistics of the depths, for checks after all have been read. `z` is the distance that was
-    /// decoded from `value`.
+    /// Adds the depth of pixel (x, y) to the statistics that `finish` checks. `z` is the distance that was
+    /// decoded from the stored `value`.
     void note(float z, int x, int y, float value) { seen_.note(z, x, y, value); }
 
     /// Sets the depths of a flat image's samples. First repairs depths that the renderer filtered like

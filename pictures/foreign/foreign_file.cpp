@@ -108,7 +108,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 /// of the largest chunk in bytes.
 /// The number is small, because the OpenEXR library allocates several chunks per thread and part.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // With ZIP compression, a band of rows has only four chunks to decompress, so two threads suffice.
+    // Files are read in bands of rows. With ZIP compression, a band has only four chunks to decompress, so
+    // more threads would hardly help.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);

@@ -18,8 +18,8 @@
 
 namespace postlens {
 
-/// What a part is used for: `picture` in the image's own file, or the pass (depth, ids or motion vectors) of
-/// a separate file.
+/// What a part of an OpenEXR file contains: the picture (`picture`), or a pass in a separate file (depth, ids
+/// or motion vectors).
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -38,8 +38,8 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Returns the value, as a float, of the unsigned integer that has the same bits as `bits`. ForeignFile
-/// stores integers as such bits.
+/// ForeignFile stores an unsigned integer as a float with the same bits. Converts such a float, `bits`, to
+/// the integer's value.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
@@ -54,8 +54,8 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// One array of values per channel. All samples of a pixel are adjacent. Integers are stored as floats
-    /// with the same bits.
+    /// values[c] contains channel c: the samples of the first pixel, then those of the next pixel, and so on.
+    /// An integer is stored as a float with the same bits.
     std::vector<std::span<const float>> values;
 };
 

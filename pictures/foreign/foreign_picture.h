@@ -30,7 +30,8 @@ struct StackSample {
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// A stack of at most this transmittance is opaque. It is not 0, because alphas are rounded.
+/// A stack of samples is opaque if it transmits at most this fraction of the light. The limit is above 0,
+/// because the alphas in a file are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of the samples behind the last opaque sample, or of all samples if none is

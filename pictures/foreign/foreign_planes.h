@@ -13,21 +13,22 @@
 
 namespace postlens {
 
-/// Reads channels of a flat part into the pixel grid of another part, `onto`, such that the upper left
-/// corners of both display windows coincide. Calls `take` for each row of pixels that both parts store:
-/// `pixel`: index of the row's first pixel in `onto`
-/// `count`: number of pixels
-/// `from`, `values`: the values of channel c begin at values[c][from]
+/// Receives one row of pixels from each_row_onto:
+/// - `pixel`: index, in the part `onto`, of the row's first pixel
+/// - `count`: number of pixels
+/// - `from`, `values`: the values of channel c begin at values[c][from]
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
+/// Reads channels of a flat part, and calls `take` for each row of pixels that `part` and `onto` both store.
+/// The upper left corners of their display windows coincide.
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the values of a channel of `part`, row by row, for all pixels that another part, `onto`, stores.
+/// Returns the values of a channel of `part` at all pixels that another part, `onto`, stores, row by row.
 /// With `converts`, integers are converted to floats. Throws Error(out_of_memory).
 ///
-/// Pixels that `part` does not store get the value `otherwise`. But pixels beyond the border of the display
-/// window get the nearest value that `part` stores.
+/// Pixels that `part` does not store get the value `otherwise`, or, outside the display window, the nearest
+/// value that `part` stores.
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

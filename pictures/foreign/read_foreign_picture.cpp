@@ -29,8 +29,8 @@ namespace {
 /// intended ratio of a slice's far depth to its near depth.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
-/// The first slice of a volume that begins at the camera ends at this fraction of the volume's far depth. So
-/// it holds at most a hundredth of the optical depth.
+/// If a volume begins at the camera, its first slice ends at this fraction of the volume's far depth. The
+/// density is uniform, so the first slice has at most 1 % of the volume's optical depth.
 constexpr double first_slice = 1e-2;
 
 /// Converts the values of the file to one stack of samples per pixel.

@@ -1,5 +1,5 @@
-// Reads common image files with OpenEXR and libpng. Every program links them, unlike OpenImageIO, which takes
-// 0.3 s to load (pictures/formats/picture_library.h).
+// Reads common image files with OpenEXR and libpng, which load fast. OpenImageIO takes 0.3 s to load, so it
+// is loaded only for other files (pictures/formats/picture_library.h).
 #pragma once
 
 #include <filesystem>

@@ -89,8 +89,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses which samples of a pixel belong to an object that covers a given fraction of it. A sample that
-/// covers more is divided in two. One MaskedStack serves all pixels, to avoid allocations.
+/// Chooses the samples of a pixel that show an object. The object covers a given fraction of the pixel. A
+/// sample that covers a larger fraction is divided into two samples. One MaskedStack serves all pixels, to
+/// avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -101,21 +102,23 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If this mask, `mask_`, already selected samples of this pixel, chooses the same samples.
+        // If the mask with the number `mask_` has already selected samples of this pixel, selects the same
+        // samples again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Different masks usually select different objects, so samples that no mask has selected yet are
-        // chosen first.
+        // First chooses samples that no mask has selected yet, because different masks usually select
+        // different objects. If they do not suffice, chooses any samples.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses `wanted` samples at the pixel's nearest depth, until they cover the fraction `share` of the
-    /// pixel. Returns the fraction that is still missing.
+    /// Goes through the samples at the pixel's nearest depth, and chooses those for which `wanted` returns
+    /// true, until they cover the fraction `share` of the pixel. Returns the part of `share` that is still
+    /// missing.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

@@ -13,14 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Search radii, in px, for nearby pixels of a single surface, which give its colour. Filtered depths need
-/// the larger radius, because a filter also mixes neighbouring pixels.
+/// The colour of a surface at an edge comes from nearby pixels that show only this surface. They are searched
+/// within these radii, in px. Filtered depths need the larger radius, because the filter also mixes the
+/// pixels beside an edge.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float, which the computed colour of a surface in a very bright pixel may
-/// exceed.
+/// Clamps a value to the range of float. A surface's colour that is computed from a very bright pixel may
+/// exceed this range.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
@@ -152,8 +153,9 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of a pixel's surfaces, preferably unknown ones, so that their mean, weighted by
-    /// coverage, is `whole`, the pixel's colour.
+    /// Adjusts the colours of a pixel's surfaces so that their mean, weighted by coverage, is the pixel's
+    /// colour `whole`. If nearby pixels do not show the colours of some surfaces, changes only the colours of
+    /// those surfaces.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -177,8 +179,8 @@ class Unmixer {
         }
     }
 
-    /// Clamps channel `c` of the surfaces in one pixel: colours to at least 0, and alpha to 0..1. Then
-    /// adjusts the values so that their mean, weighted by coverage, stays `whole`, the pixel's value.
+    /// Limits channel `c` of the surfaces in one pixel: colours to at least 0, and alphas to 0..1. Then
+    /// changes the values so that their mean, weighted by coverage, is again the pixel's value `whole`.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
