@@ -287,8 +287,9 @@ void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& ou
 /// Adds the warning `part` if an image file contains only one machine's share of the image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
-/// Returns the option's value `asked`, or else the file's value `named`. Throws Error(wrong_arguments) if
-/// both are absent. `file` is the kind of file for the error message, for example "sample file".
+/// Returns `asked`, the value that the user's option states. If the option is absent, returns `named`, the
+/// value that the input file states. Throws Error(wrong_arguments) if both are absent. `file` is the kind of
+/// file for the error message, for example "sample file".
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 

@@ -76,7 +76,8 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
-// Checks the lens before the scene is traced, so that error messages name the options of the command `chart`.
+// Throws an error that names the wrong option if the lens is invalid. Without this check, tracing the scene
+// would fail later, without naming an option of the command `chart`.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

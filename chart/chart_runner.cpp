@@ -308,7 +308,8 @@ class Runner {
         save();
     }
 
-    // The f-numbers of the two timed images differ by 1/6 stop, because a user's sweep also varies the lens.
+    // Measures the time of the first and of a further image from one sample file. In a user's sweep, each
+    // image has another lens, so the f-numbers of the two timed images differ (by 1/6 stop).
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -23,11 +23,11 @@ namespace postlens {
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds an earlier run's measurements, from the file `path`, to `data`. Returns true if another machine made
-/// them.
-/// - `key`: a file with another chart_key is ignored
-/// - `own`: if true, throws Error(wrong_arguments) instead of ignoring the file, because this run writes to
-///   it
+/// Reads the file `path` of an earlier run of the command `chart`, and adds its measurements to `data`.
+/// Returns true if another machine made them.
+/// - `key`: chart_key of this run. A file with another key is ignored
+/// - `own`: true if the file is this run's own output file. If this file has another key, throws
+///   Error(wrong_arguments)
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 

@@ -124,7 +124,8 @@ std::uint64_t comparison_bytes(ImageSize size, int pictures) {
 std::vector<std::string> failed_limits(const Comparison& comparison, const CompareLimits& limits) {
     std::vector<std::string> out;
     const PixelErrors& errors = comparison.whole.errors;
-    // Negated, because a NaN PSNR (no pixel compared) must not meet the limit.
+    // The PSNR is NaN if no pixel was compared. `!(psnr >= limit)` reports a NaN as below the limit, and
+    // `psnr < limit` would not.
     if (limits.least_psnr_db && !(errors.psnr_db >= *limits.least_psnr_db)) {
         out.push_back(
             fmt::format("PSNR is {:.3f} dB below the limit (got {:.3f} dB; expected {:g} dB or more)",

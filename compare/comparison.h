@@ -53,8 +53,9 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // `image_is_a_reference`: the image equals one of the two references. `references_are_equal`: the
-    // references equal each other, so they show no noise. Both are set only if a second reference is given.
+    // Set only if a second reference is given. `image_is_a_reference` is true if the image equals one of the
+    // two references. `references_are_equal` is true if the two references are equal, so that they show no
+    // noise.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

@@ -12,29 +12,33 @@
 namespace postlens {
 namespace {
 
-/// In the robust fit, differences of logarithmic brightness above the limit count linearly. The second fit
-/// uses the last limit, the noise at 256 samples per pixel.
+/// The lens is fitted to the image twice, with a Huber loss: differences of logarithmic brightness above this
+/// limit count linearly. The second fit uses the smaller limit, which is the noise of an image with 256
+/// samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
 /// Step of the inverse focus distance for numerical derivatives, as a fraction of the scene's range of
 /// inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the blocks for the fit's standard errors. Errors of the fitted image are assumed to be
-/// independent between blocks.
+/// The standard errors of the fitted lens are estimated from blocks of pixels of this width and height, in
+/// px. Residuals of the fit may be correlated within a block, but are assumed to be independent between
+/// blocks.
 constexpr std::size_t block_px = 16;
 /// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
 /// shows no blur.
 constexpr double least_spread = 1e-3;
-/// Largest accepted error of a fitted image, as a fraction of the image's contrast. Usual errors are 0.1, or
-/// almost 1 if the given image has another viewpoint.
+/// The fit is rejected if the error of the best lens's image exceeds this fraction of the given image's
+/// contrast. The fraction is usually 0.1, and almost 1 if the given image shows the scene from another
+/// viewpoint.
 constexpr double most_left = 0.5;
-/// If the best lens leaves more than this fraction of the sharp pinhole image's error, the given image is
-/// rejected, because it shows no lens blur.
+/// The given image is rejected as unblurred if the best lens reproduces it hardly better than the sharp
+/// pinhole image does. The ratio of the two errors may be at most this value.
 constexpr double least_gain = 0.8;
 /// Minimum range of inverse depths, as a fraction of the largest. With a smaller range, all objects have
 /// practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of the aperture's logarithm, and of the inverse focus distance as a
-/// fraction of the scene's range of inverse depths.
+/// Largest accepted standard error of the fitted aperture diameter, as a fraction of the diameter. The
+/// inverse focus distance may have a standard error of the same fraction of the scene's range of inverse
+/// depths.
 constexpr double most_error = 0.2;
 /// Further minima are reported if their error is below this factor times the best error.
 constexpr double nearly_as_good = 1.25;
@@ -190,8 +194,9 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Fits a lens in two descents: from the lens `from`, and then from the result of the first descent. Each
-/// uses only pixels in which the blur of its starting lens is reliable.
+/// Fits a lens in two descents: the first starts at the lens `from`, and the second at the result of the
+/// first. Each descent ignores pixels where the starting lens blurs across a depth edge or the border of the
+/// recorded pixels (reliable_pixels).
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -280,8 +285,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each lens was fitted to different pixels. So its error is compared relative to `spread`, the contrast
-    // of these pixels.
+    // Each lens was fitted to a different set of pixels. To make the errors comparable, each is divided by
+    // `spread`, the contrast of the image in these pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

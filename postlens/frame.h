@@ -63,8 +63,9 @@ struct Records {
     /// from a lens point q (m) by -W q times film distance / pixel pitch. W is the identity / depth for a
     /// directly seen surface [Igehy 1999].
     std::vector<float> w = {};
-    /// Error, in 1/m^2, of the linear motion that the matrix W describes; 0 if not measured. It is infinite
-    /// if other lens points see the surface by another light path.
+    /// Error of W in each record, in 1/m^2. W describes a linear motion of the surface's image when the lens
+    /// point moves, but curved mirrors and glass make the motion nonlinear. The error is 0 if it was not
+    /// measured, and infinite if other lens points see the surface by another light path.
     std::vector<float> w_bend = {};
 };
 

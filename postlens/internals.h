@@ -112,7 +112,8 @@ struct Outcome {
     [[nodiscard]] std::optional<double> number_if_known(const char* key) const;
     [[nodiscard]] std::uint64_t count(const char* key) const;
     [[nodiscard]] std::string text(const char* key) const;
-    /// Moves the first image out of the result. The picture is empty if the command has written it to a file.
+    /// Returns the image that the command made, and removes it from `result`. If the command has written the
+    /// image to a file, returns an empty picture.
     [[nodiscard]] Picture take_picture();
 };
 

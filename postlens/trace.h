@@ -28,8 +28,8 @@ struct TraceSettings {
     /// Time interval that contains the exposures of all pictures that will be made from the file
     /// (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};
-    /// True if all pictures made from the file will also use rays into the scene (`--for-rays`). Fewer
-    /// records then suffice.
+    /// Set this if all pictures made from the file will also trace rays into the scene (`--for-rays`). These
+    /// rays find surfaces that the file lacks, so fewer records are made.
     bool for_rays = false;
     /// How many times a pixel may be divided into 2x2 cells, recursively, from 0 to 8 (`--subdivide`). The
     /// default is 2. With `for_f_number`, it is 3 at the borders of objects. With `for_rays`, it is 1.

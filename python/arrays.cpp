@@ -14,7 +14,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The records of one instant. Columns are numpy views, which keep the records' memory alive.
+/// The records (surface points) of a sample file at one instant. Each member of `Record` becomes a numpy
+/// array, which shares the memory of the records and keeps it alive.
 class Records {
   public:
     explicit Records(RecordBand band) : band_(std::move(band)) {}

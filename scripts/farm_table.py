@@ -109,8 +109,9 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # The time of a merge is proportional to the size of its files. Files with some of the rows have together the
-        # size of one image. Files with some of the samples each have this size.
+        # The time of a merge is proportional to the total size of the parts. Parts with some of the samples are each as
+        # large as the image, so each adds a quarter of the time of merging four. Parts with some of the rows are
+        # together as large as the image, so their number does not matter.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

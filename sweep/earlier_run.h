@@ -26,8 +26,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if `earlier`, the key (hash) of an earlier image, matches the settings `s`. The earlier
-    /// image may also have a predicted error.
+    /// Returns true if an image from an earlier run can be kept for the settings `s`. `earlier` is the key
+    /// (hash) of that image. An image whose error was predicted is kept even if this run predicts no errors.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }
@@ -39,8 +39,9 @@ class SweepKeys {
     bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Reads the table rows of earlier images, keyed by file name, from `json` and the tables of machines that
-/// shared the sweep. Empty unless `settings.resume` is set.
+/// Returns the table rows of images that earlier runs made, keyed by file name. They are read from `json`
+/// and, if several machines shared the sweep, from their tables. Returns nothing unless `settings.resume` is
+/// set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -87,8 +87,8 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Rows per task. The first row of a task is converted to luminance twice, because the task above also
-    // needs it for its last differences.
+    // Number of image rows per task of parallel_for. Each row is compared with the row below it. So the first
+    // row of a task is converted to luminance twice, once by the task above.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // Errors are predicted by comparison with a light field image. A pinhole image is more exact than that,
-    // so its error is not predicted.
+    // An error is predicted by comparing the image with a light field image. A pinhole image is more accurate
+    // than a light field image, so its error is not predicted.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

@@ -267,8 +267,8 @@ class Sweep {
         return row;
     }
 
-    /// Calls `use` with the samples. Methods that make light fields do not keep samples in memory. For them,
-    /// the samples are read again.
+    /// Calls `use` with the records of the sample file. Only the methods scatter, layers and pinhole
+    /// (by_records) keep them in memory. For other methods, the file is read again.
     auto with_records(const auto& use) {
         if (by_records()) return use(maker_.frame());
         FocusFrame once(file_);
@@ -284,8 +284,9 @@ class Sweep {
             FocusSettings pinhole{.lens = {.focal_length_mm = 50, .f_number = HUGE_VAL},
                                   .method = FocusMethod::pinhole};
             if (zoom != 1) {
-                // With Framing::lens and the focus at infinity, the film distance is the focal length, which
-                // here sets the zoom.
+                // The pinhole image must be magnified by the same factor `zoom` as `made`. With Framing::lens
+                // and the focus at infinity, the focal length is the film distance, and so determines the
+                // magnification.
                 pinhole.framing = Framing::lens;
                 pinhole.lens.focal_length_mm = zoom * file_.header().film_distance_mm;
                 pinhole.focus_distance_m = HUGE_VAL;
@@ -307,15 +308,15 @@ class Sweep {
         }
     }
 
-    // Warns if this lens shows objects in mirrors and glass at wrong positions, because only a linear model
-    // of their motion over the lens is recorded.
+    // Warns if this lens shows objects in curved mirrors or glass at wrong positions. The recorded matrix W
+    // is only a linear approximation of how their images move with the lens point.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The errors that the warning reports are proportional to `lens`. So the warning is computed only
-        // once per value of `lens`.
+        // The warning is about errors of position in the image. They are proportional to `lens`, gain times
+        // squared aperture radius, so the warning is computed only once for lenses with equal `lens`.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -46,8 +46,8 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time, in ms, of the first input while the coarse image is made; 0 if none. If it is set, new images are requested
-// afterwards.
+// If the user changes the lens while the coarse image is made, `again` is the time of the first change, in ms. New
+// images are then requested once the coarse image is finished. Otherwise, `again` is 0.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };

@@ -156,12 +156,13 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Predicts the command's time as a linear function of its number of samples or views. Measures two short
-    /// runs, which grow until their times clearly differ.
+    /// Predicts the command's run time as a linear function of its number of samples or views. Short runs use
+    /// only a few of them: first N, then 2N. N is doubled until the times of the two runs clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // `amount` is even, because --halves divides the samples into two equal halves.
+        // The first short run uses a sixteenth of the samples or views. The number is rounded down to an even
+        // number, because --halves divides samples into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -194,8 +195,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Estimates the full time of frame i: that of the middle frame, times the ratio of two short runs
-            // with equally many samples or views.
+            // Short runs of frame i and of the middle frame use equally many samples or views. The ratio of
+            // their times, multiplied by the middle frame's full time, predicts the full time of frame i.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -260,8 +261,9 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A machine computes 1/shares of the image's rows. So in the same time, its short run can use
-        // `shares` times as many samples.
+        // The short runs in `whole` computed all rows of the image. A short run for one of the machines
+        // computes only 1/shares of the rows, so it can use `shares` times as many samples or views in the
+        // same time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -11,8 +11,9 @@
 
 namespace postlens {
 
-/// Returns the share of the work that a file contains, for example the first of 8. Throws
-/// Error(invalid_input) if `mark` is not the JSON of mark_of (share.h).
+/// Several machines can divide the work of a command into N shares (--share I/N). Returns the share that the
+/// result file `name` contains, as its metadata `mark` states. Throws Error(invalid_input) if `mark` is not
+/// in the format of mark_of (share.h).
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -38,7 +39,8 @@ class FoundParts {
     std::map<int, std::string> names_;
 };
 
-/// Returns a text such as "0/8, 3/8". A long list is cut short.
+/// Lists shares of the work as text: "0/8, 3/8" if `shares` is {0, 3} and `count` is 8. A long list is cut
+/// short.
 [[nodiscard]] std::string listed(const std::vector<int>& shares, int count);
 
 /// Joins the sample files into which a trace was divided. The result is the file that an undivided trace

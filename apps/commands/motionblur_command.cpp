@@ -150,7 +150,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur with the command `shoot`, because `shoot` can trace rays into the scene.
+/// Makes an image with motion blur by calling the command `shoot`, because the methods of `motionblur` do not
+/// trace rays into the scene.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -185,7 +186,8 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // The command `shoot` needs a focus distance. A pinhole image does not depend on it, so 1 m is used.
+    // The command `shoot` refuses a sample file without a focus distance, although a pinhole image does not
+    // depend on one. So 1 m is used if the file states none.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);

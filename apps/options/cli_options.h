@@ -56,8 +56,8 @@ void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absen
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
-/// Throws if one of `options` is given without `other`, because it would have no effect. To be called in
-/// callbacks.
+/// Throws if the command line contains one of `options` but not the option `other`, without which they have
+/// no effect. Call this in a CLI11 callback, that is, when all options are parsed.
 void go_with(const CLI::App& app, std::initializer_list<const char*> options, const std::string& other);
 /// Adds --strict, with which a warning changes the exit code.
 void strict_option(CLI::App& app, bool& to);
@@ -83,7 +83,8 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                      const std::string& absent = "open for an instant");
 
 struct LensFitLimitsOptions;
-/// Adds those options of `lens fit` that need no lens prescription, for example --pairs (cli_lens_fit.cpp).
+/// Adds the options with which `lens fit` finds a lens without a lens prescription: from measured blur
+/// (--pairs), a depth range (--sharp) or an image (--picture). See cli_lens_fit.cpp.
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
 /// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas own the parsed options and run the subcommands.

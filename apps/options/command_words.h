@@ -22,8 +22,8 @@ CLI::Option* writes(CLI::Option* option);
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
 /// Returns the files that the parsed subcommand reads and writes, as named by its marked options.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// Throws Error(wrong_arguments) if an option has an empty value, for example from a shell variable that is
-/// not set. Otherwise, an output with an empty name would not be written.
+/// Throws Error(wrong_arguments) if an option has an empty value, for example because a shell variable is not
+/// set. Without this check, an output file with an empty name would silently not be written.
 void refuse_empty_values(CLI::App& app);
 /// Returns the options and input files that determine the result of the parsed subcommand.
 [[nodiscard]] AskedFor asked_for(CLI::App& root);

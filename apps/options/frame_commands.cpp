@@ -116,8 +116,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct with the members `exposure` and `made_by`. In ShootOptions, it is the member `focus`;
-/// otherwise, it is `options` itself.
+/// Returns the struct that has the members `exposure` and `made_by`. ShootOptions has this struct as its
+/// member `focus`. For other commands, the struct is `options` itself.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {

@@ -91,8 +91,8 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // text_of replaces invalid UTF-8, because the settings in the file were stored with the same
-    // replacements.
+    // Invalid UTF-8, for example in a file name, was replaced when the file's settings were stored. text_of
+    // replaces it in the same way in `made_by`, so that equal settings compare as equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

@@ -56,8 +56,9 @@ class ViewSession {
     /// Returns a ray-traced image of the scene, in the format of `picture`. This request cancels an earlier
     /// request for a ray-traced image, but no request of another kind.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns which surfaces a pixel shows. The parameters are the position x and y in px, f-number,
-    /// focal-length and focus.
+    /// Returns the surfaces that a pixel shows, and the diameters of their circles of confusion if the lens
+    /// is known. The parameters are the pixel's position x and y in px and the lens: f-number, focal-length
+    /// and focus.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
     /// Returns the object ids of all pixels (32 bits each), then the inverse distances at which they are in
     /// focus (half floats, in 1/m).

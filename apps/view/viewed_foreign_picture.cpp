@@ -74,8 +74,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Samples are sorted by luminance. Black samples are sorted by alpha, because 1e-12 times alpha
-            // replaces their luminance.
+            // Samples are sorted by the light that they add to the pixel. A black sample gets the tiny
+            // luminance 1e-12 times alpha, so black samples are sorted by opacity.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});

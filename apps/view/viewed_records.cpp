@@ -91,8 +91,8 @@ class ViewedRecords : public ViewedFrame {
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
         }
-        // Nodes are sorted by light. A click in the image focuses on the first, which contributes most of the
-        // pixel's light.
+        // The list `nodes` has the surfaces that the pixel shows, brightest first. A click on the pixel
+        // focuses the lens on the first surface.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }

@@ -96,7 +96,7 @@ def rename_nodes(path, names):
 def export(scene, camera, path):
     """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
     content that postlens traces differently from Blender."""
-    # Without a window in the context, as after a script has opened a file, the first window is used.
+    # After a script has opened a file, Blender's context has no current window. In this case, the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
     # If a window shows another scene, its 3D views switch from their local cameras to the scene's camera. So the local
     # cameras are restored afterwards.

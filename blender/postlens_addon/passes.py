@@ -110,7 +110,8 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # Blender changes the name of the colour space when the file format changes, so a nonempty name is restored too.
+        # When the file format changes, Blender also changes the colour space of the file. So the colour space is
+        # restored too.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),

@@ -68,8 +68,9 @@ class CaseRun {
     }
 
   private:
-    // Returns a sample file that is traced with these settings. The last file is kept, because two methods of
-    // a test case, the tested and the correct one, often need the same file.
+    // Traces the scene with the settings `trace`, and returns the sample file. If the last file has equal
+    // settings, it is returned instead. A test case often uses one file for the faulty method and for its
+    // remedy.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);

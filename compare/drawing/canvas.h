@@ -32,8 +32,8 @@ class Canvas {
     /// Writes ASCII text in white. Its baseline begins at (x, y). Capitals are 9 px high at `scale` 1.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
-    /// Returns the canvas as scene-linear values. If `write_image` writes them as 8-bit sRGB, the file has
-    /// exactly the canvas's 8-bit values.
+    /// Returns the canvas, which stores 8-bit sRGB values, as an image of scene-linear values. If
+    /// `write_image` writes this image as 8-bit sRGB, the file has exactly the values of the canvas.
     [[nodiscard]] Image image() const;
     [[nodiscard]] EncodedPicture encoded() const;
 

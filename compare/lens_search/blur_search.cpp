@@ -20,8 +20,8 @@ constexpr double step_px = 0.5, even_to_px = 8;
 /// Largest number of pixels on which the search compares lenses. Apertures are tested in steps of about 10 %,
 /// so more precision is not needed.
 constexpr std::size_t most_pixels = 12000;
-/// Image differences above this limit count linearly. Beside depth edges, the blur model's own errors are
-/// about this large.
+/// The search uses a Huber loss: image differences above this limit count linearly, not quadratically. The
+/// rough blur model itself causes differences of about this size beside depth edges.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
@@ -150,10 +150,11 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // With the nearest depth in focus, tested apertures blur the farthest depth by between 0.7 px and a
-    // quarter of the image width. Inverse focus distances span the scene's inverse depths, extended at each
-    // end by half their range.
+    // The search tests inverse focus distances in the scene's range of inverse depths. At each end, the range
+    // is extended by half its length.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
+    // With the nearest depth in focus, the smallest tested aperture blurs the farthest depth by 0.7 px, and
+    // the largest by a quarter of the image width.
     const auto place = [&](int i, int k) {
         const double coc_px = narrowest_coc_px * std::pow(largest_px / narrowest_coc_px,
                                                           static_cast<double>(i) / (aperture_steps - 1));

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Number of depths for which blur kernels are computed. With this many, the image changes smoothly when the
-/// fit changes the aperture or the focus distance.
+/// Blur kernels are computed for this many depths. With fewer, the computed image would not change smoothly
+/// when the lens fit varies the aperture or the focus distance.
 constexpr int levels = 256;
 /// Fraction by which the aperture is increased and decreased for numerical derivatives of the image.
 constexpr double aperture_step = 0.03;

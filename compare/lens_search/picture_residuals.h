@@ -14,6 +14,9 @@
 
 namespace postlens {
 
+/// Residuals of a lens fit: differences between a computed image and the given image, one per selected pixel.
+/// The images are compared by `picture_tone`, a logarithmic brightness. Differences above `linear_from` count
+/// linearly (Huber loss).
 class PictureResiduals {
   public:
     /// Compares `picture` with images made from `file`, to which it keeps a reference. `expected_pictures`,
@@ -27,14 +30,14 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Writes the differences between the image that the lens `place` makes and the image to be fitted.
-    /// Differences above `linear_from` count linearly (Huber loss).
+    /// Writes the residuals of the image that `focus` makes with the lens `place`.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes the derivatives of each pixel's difference with respect to the aperture's logarithm and the
-    /// inverse focus distance. The inverse focus distance is changed by `focus_step_per_m` to either side.
+    /// Writes the derivatives of these residuals with respect to the logarithm of the aperture and to the
+    /// inverse focus distance. For numerical derivatives, the latter is changed by plus and minus
+    /// `focus_step_per_m`.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// `of` writes the differences between `image` and the image to be fitted. `of_even` does so for a
-    /// uniform image of the fitted image's median brightness.
+    /// `of` writes the residuals of `image`. `of_even` writes the residuals of an image that has the given
+    /// image's median brightness everywhere, which measure the given image's contrast.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

@@ -66,7 +66,8 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // If the exposures at both ends of the range are equal, all are equal, so one comparison is enough.
+    // HDR-FLIP compares the images at exposures from `start` to `stop`. If these two are equal, all exposures
+    // are equal, so one comparison is enough.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)

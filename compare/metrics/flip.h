@@ -23,10 +23,10 @@ struct FlipExposures {
     int count = 1;
 };
 
-/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3], about one per stop. The tone
-/// curve maps the reference's greatest luminance to 0.85 at `start`, and its median luminance to 0.85 at
-/// `stop`.
-/// - white_luminance: replaces the greatest luminance. 0.18 then replaces the median
+/// Returns the exposures at which HDR-FLIP compares images with `reference`, about one per stop
+/// [andersson2021, sec. 3]. At the exposure `start`, the tone curve shows the reference's greatest luminance
+/// as 0.85. At `stop`, it shows the median luminance as 0.85.
+/// - `white_luminance`: if given, is used as the greatest luminance, and 0.18 as the median luminance
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

@@ -12,8 +12,9 @@ namespace postlens {
 /// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Contrast sensitivity filters. Taps sum to 1, except the blue-yellow column taps. These are scaled by
-    /// the weights of the two Gaussians whose sum is the filter.
+    /// Contrast sensitivity filters of the three opponent colour channels. The blue-yellow filter is the
+    /// weighted sum of two Gaussians. Their column taps are multiplied by the weights; all other taps sum to
+    /// 1.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// Filters that detect edges and points: a Gaussian and its two derivatives. A derivative's positive taps

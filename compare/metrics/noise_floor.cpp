@@ -32,11 +32,11 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Estimates the bias b that sRGB encoding adds to the mean of noisy values. r1 and r2 are two noisy values of
-// a pixel; f1 and f2 are these values encoded.
+// Estimates the bias b that sRGB encoding adds to the mean of noisy values, because the encoding is
+// nonlinear. r1 and r2 are two noisy values of a pixel; f1 and f2 are these values encoded. The mean of f1
+// and f2 contains the bias b. The encoded mean of r1 and r2 contains only b / 2, because averaging halves the
+// variance.
 double encoding_bias(float r1, float r2, float f1, float f2) {
-    // The mean of f1 and f2 contains the bias b. Encoding the mean of r1 and r2 adds only b / 2, because
-    // averaging halves the variance.
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));
 }

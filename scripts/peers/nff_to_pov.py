@@ -24,8 +24,8 @@ MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD s
 # The output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# At the corners of a convex polygon, the outline always turns in the same direction. Rounding of coordinates to six
-# digits may cause a small turn in the opposite direction. This is the largest accepted sine of its angle.
+# The outline of a convex polygon turns in the same direction at every corner. Coordinates rounded to six digits may
+# turn it slightly in the opposite direction. Such a turn is accepted if the sine of its angle is at most this value.
 LARGEST_REFLEX = 1e-4
 
 

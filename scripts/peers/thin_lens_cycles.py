@@ -177,8 +177,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples than the default, all images of Cycles have the same bias, so the difference of two such images
-    # would not show it.
+    # With fewer samples per pixel than the default, Cycles' images have a bias that does not depend on the seed.
+    # Comparing Cycles with itself (--self) would not reveal this bias.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

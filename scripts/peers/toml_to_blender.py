@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 tabulates shutter times in 256 entries. A box shutter then covers only this fraction of the frame, so
-# Exposure fits the exposure time into it.
+# Cycles 3.4 tabulates the shutter curve in 256 entries. Therefore, a shutter set to one frame is open for only this
+# fraction of the frame. The class Exposure fits the scene's exposure into this fraction.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Blender's Checker Texture node would shift the cell borders, so nodes compute the pattern. If a cell is infinitely
-    # long, 1 / x is 0.
+    # The checkerboard is computed by arithmetic nodes, because Blender's Checker Texture node would shift the borders
+    # of its cells. A cell of infinite size x has the factor 1 / x = 0.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
