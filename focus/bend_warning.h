@@ -28,8 +28,8 @@ class MisplacedLight {
     /// Adds the surface samples of the image rows [y_begin, y_end), which `band` must contain. Add every row
     /// exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for each pixel, the radiance that linear reprojection puts at a wrong position. Returns an
-    /// empty list if there is none.
+    /// Returns the image of the misplaced light (see above), one radiance per pixel. Returns an empty list if
+    /// no light is misplaced.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

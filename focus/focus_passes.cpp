@@ -127,7 +127,7 @@ std::size_t add_cryptomatte(const ForeignPicture& picture, const StackField& fie
 /// estimated from the differences between images from independent sets of lens points.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
-    // With fewer lens points, the estimated noise could be too small by chance.
+    // Fewer lens points in total would give an unreliable estimate of the error.
     constexpr int least_views = 64;  // of all sets together
     const int views = s.views;
     s.views = std::max(1, views / 2);

@@ -190,8 +190,8 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Rows above or below the image use the hidden surfaces that were estimated for its first or
-                // last row.
+                // For rows above or below the image, uses the estimated hidden surfaces of the image's first
+                // or last row.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -212,8 +212,8 @@ class Spread {
                     // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && picture_.stores(x, y) && ends_in_nothing(*behind, open))
                         found[task].is_see_through = true;
-                    // `scatter` ignores surfaces behind translucent samples (`behind` is null), so the last
-                    // sample counts as opaque.
+                    // `scatter` does not estimate surfaces behind the samples (`behind` is null). The last
+                    // sample then counts as opaque.
                     lights.add(x, stack, behind == nullptr || behind->fills, open, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -239,8 +239,8 @@ class Spread {
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
-                // `scatter` divides by the sum of weights. Without a weight for empty space, blurred edges of
-                // objects would be opaque.
+                // In `scatter`, each pixel is divided by the sum of the weights in it. Empty space gets a
+                // weight too, so that the blurred edges of objects stay translucent.
                 splats.let_nothing_fill(nothing_);
             }
             const Guessed guessed = take_in(splats, value);
@@ -256,8 +256,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Any depth model gives the same result, because images of other programs do not separate reflections
-        // and refractions.
+        // The depth model matters only for reflections and refractions, which images of other programs do not
+        // store separately.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);

@@ -40,8 +40,8 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory: at most one point sample per record, in a vector that may have twice the
-    // capacity, and a copy of its depth and colour.
+    // An upper bound: each record has at most one point sample, and one copy of depth and colour. The vector
+    // of point samples may have reserved twice the memory it needs.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

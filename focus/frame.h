@@ -22,9 +22,10 @@ struct TreeSheets;
 
 /// Rows [y_begin, y_end) of the sample file at its first recorded instant. `band` also has the rows above and
 /// below.
-/// - `samples`: eye rays and the surfaces hit; one element per `rows_per_task` rows. May be empty.
-/// - `plain`: compact copies of the eye rays that hit no mirror or glass; one element per `rows_per_task`
-///   rows. May be empty.
+/// - `samples`: eye rays through these rows, and the surfaces that they hit; one element for each group of
+///   `rows_per_task` rows. Empty if they have not been computed.
+/// - `plain`: compact copies of the eye rays that hit no mirror or glass, grouped as `samples`. Empty if they
+///   have not been computed.
 struct FrameRows {
     /// Number of rows per task. Fewer rows would be inefficient, because each task also reads the row above
     /// and the row below.
@@ -51,8 +52,9 @@ class FocusFrame {
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
     [[nodiscard]] bool many() const { return many_; }
 
-    /// Calls visit(rows) for groups of rows, from the top down. They contain the rows [y_begin, y_end), and
-    /// possibly more. Throws errors of the file reader, and Error(out_of_memory).
+    /// Calls visit(rows) for one group of rows after another, from top to bottom. Together, the groups
+    /// contain the rows [y_begin, y_end), and sometimes a few more rows. Throws errors of the file reader,
+    /// and Error(out_of_memory).
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// Returns all surfaces at an instant of the sample file, cut into squares of 16 x 16 px. Valid until the
@@ -62,8 +64,8 @@ class FocusFrame {
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for at least these rows, Record::w_bend of each pixel's surface, in 1/m^2. It bounds the
-    /// error of linear reprojection to other lens points.
+    /// Returns, for each pixel, a bound of the error that linear reprojection to another lens point causes:
+    /// Record::w_bend, in 1/m^2. The result has the rows [y_begin, y_end), and possibly more rows.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths of the surfaces at the border of the traced area, at the first recorded instant.

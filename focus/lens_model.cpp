@@ -41,8 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The part of the radius due to astigmatism. The factor 1.5 allows for a pupil that is wider than the
-        // nominal aperture.
+        // The radius of the blur that astigmatism causes, in px. The factor 1.5 is a margin for pupils wider
+        // than the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -62,7 +62,8 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An ellipse replaces a large astigmatic blur, because other lens aberrations are invisible in it.
+        // A large astigmatic blur is drawn as an ellipse, because the lens's other aberrations are invisible
+        // in such a large blur.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,

@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Reads and focuses the real lens in `settings.impulse`, or returns nothing without one. Throws if this
-/// fails.
-/// - `recorded`: the traced area, with overscan, as a range of pixel corners
+/// Reads the real lens that `settings.impulse` describes, and focuses it. Returns nothing if
+/// `settings.impulse` describes no real lens. Throws if the lens cannot be read or focused.
+/// - `recorded`: range of the pixel corners of the traced area, including overscan
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 

@@ -14,8 +14,8 @@ namespace {
 /// only if this blur would reach farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns, for each pixel along one side of the image, how far blur from outside the traced area reaches in,
-/// in px.
+/// Blurred surfaces outside the traced area would spread light into the image. Returns how far this light
+/// reaches into the image, in px, for each pixel along one side.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

@@ -59,7 +59,7 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Averages vertically first, then horizontally, so that each traced row is read once and in
+            // Averages the rows of each box first, then the columns, so that the traced pixels are read in
             // memory order.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {

@@ -32,7 +32,8 @@ struct Radii {
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether `other` lies behind `own`. Samples with nearly equal CoC radii count as one surface.
+/// Returns whether the sample with the radii `other` lies behind the sample with the radii `own`. Samples
+/// with nearly equal radii count as one surface.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -104,8 +105,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds translucent pixels that have no farther surface within reach of their blur, only empty space.
-    /// Marks them in `fills_`, and treats them as opaque.
+    /// Marks a translucent pixel in `fills_` if no pixel within reach of its blur shows a farther surface.
+    /// The marked pixel then counts as opaque.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -140,8 +141,8 @@ class BehindSearch::Impl {
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
-        // The depth and the object come from the nearest surface found. The colour is the mean of all
-        // surfaces found at about its depth.
+        // The estimate gets its depth and object from the surface closest to the pixel (x, y) in the image.
+        // Its colour is the mean of all surfaces in `finds` at nearly this depth.
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
@@ -184,8 +185,8 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Steps from a pixel in a direction and calls `take` for each pixel on the way, until it returns true.
-    /// Ends where circles of confusion can no longer touch that of the first pixel.
+    /// Visits pixels one after another, from (x, y) in the direction `d`, and calls `take` for each. Stops if
+    /// `take` returns true, or at a distance where no circle of confusion can overlap that of (x, y).
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -197,8 +198,8 @@ class BehindSearch::Impl {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Returns whether two circles of confusion overlap or are less than a pixel apart. `distance_px` is the
-    /// distance between their centres.
+    /// Returns whether two circles of confusion overlap, or lie at most a pixel apart. `distance_px` is the
+    /// distance between the centres of the two circles.
     [[nodiscard]] bool reach_each_other(float distance_px, const Radii& a, const Radii& b) const {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
@@ -299,8 +300,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in `direction` that lies behind the surface with the radii `own`, and that
-    /// blur may reveal.
+    /// Searches from the pixel (x, y) in `direction` for the first farther surface whose circle of confusion
+    /// reaches that of the pixel. `own` has the radii of the pixel's surface.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -329,8 +330,8 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only surfaces of the most visible object. Otherwise, a small light source at an edge could
-    /// brighten everything behind the edge.
+    /// Keeps only the surfaces in `finds` of one object: the one with the largest sum of weights. Otherwise,
+    /// a small light source near an edge could brighten the estimates along the whole edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;

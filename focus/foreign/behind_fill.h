@@ -49,8 +49,8 @@ class BehindSearch {
     /// `picture` and `geometry` must outlive this object. `aberration_px` is the distance, in px, by which
     /// spherical aberration spreads light beyond the circle of confusion.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
-    /// Sets `out` to the estimated surface behind each pixel of row `y`. Several threads may call this
-    /// function at the same time.
+    /// Estimates the surface behind each pixel of row `y`, and writes the estimates to `out`. Several threads
+    /// may call this function at the same time.
     void row(int y, std::vector<Behind>& out) const;
 
   private:
@@ -62,8 +62,8 @@ class BehindSearch {
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
-/// Returns, row by row, an upper bound of the fraction of each blurred pixel that shows empty space. The
-/// bound itself may exceed 1.
+/// Returns, for each pixel, row by row, an upper bound of the fraction of the blurred pixel that shows empty
+/// space. The bound is not tight, and may exceed 1.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

@@ -21,21 +21,22 @@ class BorderExtension {
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
     BorderExtension(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px);
 
-    /// The range of pixels that contains the image and the samples repeated beyond the image border.
+    /// Returns the rectangle of pixels that contains the image and the surfaces extended beyond the image
+    /// border.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
     /// Sets `stack` to samples that continue the image's surfaces into the pixel (x, y), outside the image.
     /// Returns the index of the border pixel from which they come, if any.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A border sample that is repeated over `length_px` pixels outside the image. Its colour is the mean
-    /// over `length_px` pixels inside.
+    /// A sample at the image border, extended by `length_px` pixels beyond the border. The colour of `sample`
+    /// is the mean over as many pixels inside the image.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples to repeat, for each pixel along a side of the image. Empty if the file shows empty space
-    /// beyond this side.
+    /// For each pixel along one side of the image, the extensions of the pixel's samples beyond this side.
+    /// Empty if the file shows empty space there.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

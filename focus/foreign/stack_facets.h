@@ -37,8 +37,8 @@ struct Facet {
 /// depth at the corners that they share.
 class Facets {
   public:
-    /// `behind` has the estimated hidden surface behind each pixel, or is empty. `border` must be the
-    /// extension of the image `p`.
+    /// `behind` is the estimated surface behind each pixel of `p`, or empty. `border` extends the surfaces of
+    /// `p` beyond the image border.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 

@@ -20,10 +20,10 @@ constexpr int rows_per_task = 32;
 /// Number of views between two checks for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
-/// A lens point from which an image is drawn, with one sample per pixel. The sample has the same position
-/// within every pixel.
+/// The view from one lens point, drawn with one sample per pixel. Within all pixels, the sample has the same
+/// position.
 struct View {
-    float lens_x, lens_y;  ///< lens position in m, times the film distance in px
+    float lens_x, lens_y;  ///< shift of the image by the lens point, in px per 1/m of inverse depth
     float inverse_focus_per_m;
     float x, y;  ///< shift of every position, px: shift by the lens minus sample position in the pixel
     std::uint32_t number;
@@ -240,8 +240,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // Counts, for each pixel, the lens points that see nothing opaque, or only estimated surfaces beyond
-        // the image border.
+        // Counts, for each pixel, the lens points that see no surface of the image. Surfaces estimated beyond
+        // the image border do not count as surfaces of the image.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

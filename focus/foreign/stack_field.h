@@ -40,20 +40,20 @@ struct StackField {
     /// The image that the lens forms, with premultiplied colours and alpha. Alpha is a random estimate, so it
     /// may exceed 1.
     Image image;
-    /// For each pixel, the fraction of lens points that see a surface missing in the image. Empty space does
-    /// not count.
+    /// For each pixel, the fraction of lens points that look past all surfaces in the file. It is 0 if the
+    /// file shows empty space behind the pixel, because no surface is missing there.
     std::vector<float> unseen;
-    /// Each pixel is divided by this value: mean alpha, including holdout objects, but at least 1 where empty
-    /// space must stay transparent.
+    /// The value by which divide_by_covered() divides a pixel: its mean alpha over the lens points, including
+    /// holdout objects. At least 1 if empty space lies behind the pixel, so that the pixel stays translucent.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
-/// Draws an image as seen from many lens points, and returns the mean. `behind` has the estimated hidden
-/// surface behind each pixel, or is empty.
+/// Draws an image as seen from many lens points, and returns the mean. `behind` has the estimated surface
+/// behind each pixel, or is empty.
 ///
-/// Each sample is drawn as a quadrilateral, the square of its pixel. It is opaque from a random fraction of
-/// the lens points that equals its alpha (stochastic transparency [enderton2010]).
+/// Each sample is drawn as a quadrilateral that covers its pixel. The sample is opaque from a random fraction
+/// of the lens points that equals its alpha (stochastic transparency [enderton2010]).
 ///
 /// The result is bit-identical for any number of threads, and does not depend on which other pixels are drawn
 /// (`settings.drawn`). Throws Error(wrong_arguments) if the number of lens points (`settings.views`) is out
@@ -61,8 +61,8 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides colours and alpha by StackField::covered. Otherwise, pixels near the image border would be too
-/// dark, because some lens points see nothing beyond the border.
+/// Divides the colours and alpha of each pixel by `field.covered`. Without this division, pixels near the
+/// image border would be too dark, because some lens points see nothing beyond the border.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

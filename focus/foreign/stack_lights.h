@@ -19,14 +19,15 @@ enum class StackValue { colour, alpha };
 /// samples. Samples with similar signed CoC radii form one surface.
 class StackLights {
   public:
-    /// With `with_nothing`, empty space is composited as a black surface without blur.
+    /// If `with_nothing` is true, empty space counts as a sharp black surface at infinity. Otherwise, empty
+    /// space is ignored.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Appends the light of the samples `stack` of a pixel in column `x` to `out`.
-    /// - `fills`: whether the last sample counts as opaque
-    /// - `open`: product of the samples' transmittances
-    /// - `behind`: the estimated hidden surface behind the samples, or null
+    /// Appends the light of one pixel to `out`. `stack` has the samples of the pixel, and `x` is its column.
+    /// - `fills`: whether the last sample counts as opaque, whatever its alpha is
+    /// - `open`: transmittance of all samples of the pixel together
+    /// - `behind`: the estimated surface behind the samples, or null
     void add(int x, std::span<const StackSample> stack, bool fills, double open, const Behind* behind,
              StackValue value, std::vector<PixelLight>& out);
 

@@ -8,8 +8,8 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// A mirror image that covers less than this fraction of a pixel has too few samples. It is mixed with a
-/// substitute.
+/// If the samples of a mirror image cover less than this fraction of a pixel, their mean colour is
+/// unreliable. The colour is then mixed with that of the mirror image blurred like the mirror itself.
 constexpr double enough_weight = 0.05;
 
 /// Light that arrives at a pixel after one sequence of reflections and transmissions, for example after a
@@ -28,8 +28,8 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the reflected or transmitted light `rgb` to the mirror or glass `surface`, which covers the fraction
-/// mask.alpha of the pixel.
+/// Adds the light `rgb` that a mirror or glass shows to the light of this `surface`. The reflected or
+/// transmitted image covers the fraction mask.alpha of the pixel.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) surface.rgb[c] += mask.alpha * rgb[c];
@@ -57,8 +57,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Collects the surfaces that a mirror or glass shows, and adds further reflections (`longer`) to them.
-/// Returns the sum of the weights.
+/// Fills `fragments` with the surfaces seen in a mirror or through glass (`terms`). Their light includes what
+/// these surfaces reflect and transmit in turn (`longer`). Returns the sum of the surfaces' weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -122,7 +122,8 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longer sequences of bounces come first, because their light is added to that of shorter sequences.
+    // Resolves the longest sequences of bounces first. For example, a surface seen after one bounce needs the
+    // light of surfaces seen after two bounces.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

@@ -25,8 +25,9 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Returns the light of a surface at a pixel, with reflections. Absent if the surface's blur does not reach
-/// the pixel. `terms` must be sorted by LayerPart.
+/// Returns the light of a directly visible surface at a pixel, including its reflections and refractions.
+/// Returns nothing if the surface's blur does not reach the pixel. `terms` has sums for the surface and for
+/// everything seen in it, sorted by LayerTerm::part.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

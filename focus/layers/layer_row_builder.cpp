@@ -10,8 +10,8 @@ namespace {
 /// From these CoC radii on, in px, the centres of blur discs are rounded to a quarter pixel or a whole pixel.
 /// More samples then share a blur kernel, and the change is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Blur radii, in px, for which NodeResponses::phases rounds positions to a quarter pixel and to a whole
-/// pixel.
+/// With these blur radii, in px, NodeResponses::phases rounds the centres of blur kernels to quarter pixels
+/// and to whole pixels.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -53,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only the positions of uniform discs are rounded more coarsely, because the displacement of a bright
-    // core would be visible.
+    // Rounds the centre of a uniform blur disc to a coarser grid. Other kernels keep finer positions, because
+    // their bright core would visibly move.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -134,8 +134,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// Returns the front of a glass object, whose blur replaces that of the back. Refraction can make the back's
-// own blur far too large.
+// If `from` is the far side of a glass object, returns the near side; otherwise returns `from`. Light through
+// glass is blurred like the near side, because refraction can make the far side's blur far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -205,7 +205,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds surfaces that are seen in a mirror or through glass, but that other surfaces hide from the pinhole.
+// Adds surfaces in mirrors or behind glass that the pinhole does not see, but other lens points see.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

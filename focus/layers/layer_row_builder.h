@@ -54,7 +54,8 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     [[nodiscard]] const Met* met_at(NodePath path) const;
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the light of the surface `met`, with the blur kernel of the mirror or glass `from` that shows it.
+    /// Adds the light of the node `met` once more, blurred like the mirror or glass `from` that shows it.
+    /// This sum (mask) tells how much of each pixel shows the node.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

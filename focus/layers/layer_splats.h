@@ -44,8 +44,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface to which the bounces `path` lead; for masks, the mirror or glass that shows it. Empty if
-    /// it is the member `surface`.
+    /// The surface seen after the bounces `path`. In a mask, the mirror or glass that shows this surface.
+    /// Empty if that is the member `surface`.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -59,11 +59,11 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Mean position on the lens, in lens radii, of the light that arrives 1 px away from the kernel's
-    /// centre.
+    /// Factor that converts a distance from the kernel's centre, in px, to the mean lens point of the light
+    /// that arrives there, in lens radii.
     float lens_per_px = 0;
-    /// The part of the sample's `weight` that a surface in front, at nearly the same depth, hides from all
-    /// lens points.
+    /// The part of `weight` that no lens point sees, because a surface in front, at nearly the same depth,
+    /// hides it.
     float covered = 0;
 };
 
@@ -109,11 +109,12 @@ class LayerSplats {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds the samples at the pixel corners of several rows. Eye rays (point samples) that `rows` already
-    /// contains are not computed again.
+    /// Adds the samples at the pixel corners of `rows`, like the function above. If `rows` already has eye
+    /// rays, they are not computed again.
     void add_rows(const FrameRows& rows);
-    /// Places samples at pixel centres, for images of other programs. Call it before add_pixels.
-    /// - `known`: the pixels with known content, as a range of pixel corners
+    /// Prepares for images of other programs, whose samples lie at pixel centres instead of pixel corners.
+    /// Call it before add_pixels.
+    /// - `known`: range of pixel corners around the part of the image with known content
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -124,8 +125,8 @@ class LayerSplats {
     /// Builds the blur kernels and sorts the samples by surface. Call it after the last row.
     void finish();
 
-    /// To compute an image in strips (groups of rows), call this, then add all samples. begin_strip then
-    /// returns the rows to add again for a strip.
+    /// A large image is computed in strips (groups of rows). First call survey() and add all samples. Then,
+    /// for each strip, call begin_strip(), add the rows that it returns once more, and call finish_strip().
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();

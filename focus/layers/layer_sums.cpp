@@ -19,7 +19,8 @@ typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias)
 typedef double EightStored __attribute__((vector_size(64), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The eight values of a sample that are blurred, in the order of LayerSums::sums_.
+/// The values of a sample that are multiplied by its blur kernel and summed in each pixel, in the order of
+/// LayerSums::sums_.
 struct PlainValues {
     static constexpr std::size_t count = LayerSums::plain_values;
     EightDoubles light;
@@ -182,7 +183,7 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
     convolve<Values>(values, taps, x + row.inner_end, from, width, changes);
 }
 
-/// Blurs a single sample, and adds it to one row of pixels. The arguments are those of add_run.
+/// Multiplies one sample by a row of its blur kernel, and adds the products to a row of pixels.
 template <typename Values>
 __attribute__((always_inline)) inline void add_one(const Values& values, const Kernel& kernel,
                                                    const KernelRow& row, int x, int width, double* sums,

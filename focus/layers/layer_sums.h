@@ -20,9 +20,10 @@ class LayerSums {
     /// Values per pixel: 8, which fill an AVX-512 register, or 12 if lens_at() is used.
     static constexpr std::size_t plain_values = 8, lens_values = 12;
 
-    /// Sets the sums of all pixels to 0.
+    /// Sets the sums of all pixels in `rows` to 0.
     /// - `with_lens`: whether lens_at() will be called
-    /// - `from_anchor_px`: distance of samples from their pixel's corner along x and y: 0.5 for pixel centres
+    /// - `from_anchor_px`: offset of a sample from the top left corner of its pixel, along x and y: 0, or 0.5
+    ///   if samples lie at pixel centres
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
     /// Completes the sums. Call it after the last `add` and before reading the sums.
@@ -33,8 +34,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[4]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[5]; }
-    /// Returns two sums over the samples at a pixel: light times lens point, and weight times lens point (in
-    /// lens radii).
+    /// Returns the sums of light times lens point, and of weight times lens point, over the samples at a
+    /// pixel. They tell through which side of the lens the light arrives.
     [[nodiscard]] LensMoments lens_at(int x, int y) const;
 
   private:

@@ -46,8 +46,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether light is composited separately for each side of the lens: true for directly visible
-/// surfaces, false for mirror images.
+/// Returns whether compositing distinguishes through which side of the lens a surface's light arrives. It
+/// does so for directly visible surfaces, but not for mirror images.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

@@ -14,8 +14,8 @@ struct LensMoment {
     double x = 0, y = 0;
 };
 
-/// Tells through which side of the lens a surface's light arrives. All colours share one value, because hue
-/// varies little.
+/// Tells through which side of the lens a surface's light arrives. One moment serves red, green and blue,
+/// because the hue of a surface varies little over the lens.
 struct LensMoments {
     LensMoment rgb;  ///< of red + green + blue
     LensMoment alpha;

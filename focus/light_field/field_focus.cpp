@@ -147,8 +147,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A negative follow_px means that mirror images are reprojected separately, because motion displaces them
-    // differently than their mirrors.
+    // Motion may shift a mirror image differently than the mirror. So if anything moves, mirror images are
+    // reprojected separately (follow_px < 0).
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -176,8 +176,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, kernels then spread no highlights, because aiming rays at highlights would need all
-        // surfaces in memory.
+        // The surfaces do not all fit into memory here, so rays cannot be aimed at highlights. If rays are
+        // traced, highlights are therefore reprojected like any other light.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -274,8 +274,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets,
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Any surface that some lens point sees may hide a highlight. So each group of image rows keeps all
-        // surfaces that any point of the lens may see there.
+        // A highlight is tested for occluders from any point of the lens, not only from those of the views.
+        // So a group of image rows needs every surface that any lens point sees in these rows.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

@@ -68,12 +68,14 @@ struct FieldViews {
     /// function is set, the whole image is drawn.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // The following functions are only used if rays are traced (see PatchViews).
+    // Three functions for tracing rays, explained at the members of PatchViews with the same names. Unused if
+    // no rays are traced.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which these lens points contribute, if several images are drawn together. Sets
-    /// of lens points with the same index must draw different squares.
+    /// Index of the image to which these lens points contribute, if several images are drawn together. If
+    /// several sets contribute to one image, their functions `wanted` must select different squares of the
+    /// image.
     std::size_t picture = 0;
 };
 
@@ -95,8 +97,8 @@ class FieldFocuser {
     /// Draws the image that the lens points of one set see on average. The result is bit-identical for any
     /// number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws the images of several sets of lens points together, which is faster than drawing one after the
-    /// other. The memory of the images `reuse`, which have the same size, is used again.
+    /// Draws the images of several sets of lens points in one pass, which is faster than one pass for each
+    /// set. The results reuse the memory of the images in `reuse`, which must have the same size.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets,
                                                std::vector<FieldFocus> reuse = {}) const;
 

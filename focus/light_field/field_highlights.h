@@ -44,16 +44,24 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Chooses random rays from the pixel (x, y) to highlights. Rays to sharp moving highlights may miss
-    /// them.
+    /// Chooses random rays from the pixel (x, y) to the highlights `sources`. A ray to a sharp moving
+    /// highlight may miss the highlight.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Returns the indices of the merged highlights whose blur may reach a rectangle of the image. The
-    /// rectangle must lie within one tile (SeenTile::edge).
+    /// Returns the indices of the light sources (merged highlights) whose blur may reach a rectangle of the
+    /// image. The rectangle must lie within one row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
+    /// One of the square highlights that are merged into a light source.
+    /// - `at`: centre of the square relative to the position of the light source, in px
+    /// - `area_until`: sum of the areas of this square and all earlier squares of the light source, in px^2;
+    ///   serves to choose a random square
+    struct SourcePart {
+        glm::vec2 at{0};
+        float side = 0, area_until = 0;
+    };
     struct Source {
         int x = 0, y = 0;  ///< anchor of the kernel, image px
         std::uint32_t kernel = 0;
@@ -80,8 +88,8 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// Neighbouring highlights. `samples`: positions per pixel at which visibility is tested, or 0 if the
-    /// drawn views show what is visible.
+    /// Neighbouring highlights that share visibility tests in a tile. `samples` is the number of tested
+    /// positions per pixel. It is 0 if the views themselves show which highlights are visible.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;

@@ -16,9 +16,9 @@ namespace {
 /// A highlight's blur kernel reaches at most kernel_grows times as far as its circle of confusion, plus
 /// kernel_margin_px. It may exceed the circle, because kernel sizes are rounded.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A large image is drawn in groups of rows. If some lens point sees a surface more than far_px above or
-/// below its recorded rows, the surface stays in memory for later groups. At most most_far_bytes are kept;
-/// all other surfaces are read again.
+/// A large image is drawn in groups of rows, and each group reads its surfaces again. A surface that some
+/// lens point sees more than far_px above or below its recorded row stays in memory instead, until such
+/// surfaces need most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 

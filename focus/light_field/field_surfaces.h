@@ -53,7 +53,7 @@ class FieldStrips {
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
-    /// Returns the surfaces that some lens point sees in the raster rows [y_begin, y_end).
+    /// Returns the surfaces that appear in the raster rows [y_begin, y_end) from any point of the lens.
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
     /// Visits all surfaces of a recorded instant, in several parts and in any order. Only one thread at a
     /// time calls `visit`.
@@ -72,9 +72,9 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces that stay in memory, because some lens point sees them many rows away from their recorded
-    /// position. The ranges of rows in which they may appear are `primary` for directly visible surfaces, and
-    /// `deeper` for reflected and transmitted ones.
+    /// Surfaces that stay in memory, because some lens point sees them many rows above or below their
+    /// recorded row. `primary` has the rows in which each directly visible surface may appear, and `deeper`
+    /// has those of reflected and transmitted surfaces.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -19,8 +19,8 @@ constexpr int attempts = 256;
 /// multiplied by this. More rays are needed, because many of them miss the highlight.
 constexpr int passing_lines = 16;
 
-/// Sharp moving highlights of one surface that pass near a pixel. `spans`: times of passing, as fractions of
-/// the exposure.
+/// Sharp moving highlights of one surface that pass near a pixel. Each of the `spans` is an interval during
+/// which a highlight is near the pixel, in fractions of the exposure.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -136,8 +136,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The position in the pixel is random, not that of a recorded highlight, because the sample file
-            // may miss parts of a moving highlight.
+            // Aims at a random position in the pixel. Rays aimed at recorded highlights would miss the parts
+            // of a moving highlight that the sample file lacks.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -156,9 +156,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // A ray has a lens point and a position in the pixel. One of them is random, and the highlight's
-        // position determines the other. The lens point is random if the blur is smaller than a pixel,
-        // otherwise the position in the pixel. Few rays then miss the pixel or the lens.
+        // A ray from a highlight is given either by a lens point or by a position in the pixel. If the blur
+        // is smaller than a pixel, chooses a random lens point, because most lens points send light into the
+        // pixel. Otherwise, chooses a random position in the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -24,19 +24,19 @@ constexpr float nearer = 1.02F;
 /// The time limit for the visibility tests of a tile is at least the time to draw the tile from this many
 /// lens points.
 constexpr std::size_t least_drawn = 64;
-/// Smallest estimated time of one visibility test, as a multiple of the time to draw a tile from one lens
+/// A visibility test is assumed to take at least this fraction of the time to draw a tile from one lens
 /// point.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
 /// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Four points at which the visibility of a group of highlights is tested: offsets from its centre, in
-/// standard deviations of the positions.
+/// The visibility of a group of highlights is tested at four points around the group's centre. The offsets
+/// are in standard deviations of the highlights' positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// If the shadows that an occluder casts for several highlights have at most this standard deviation of
-/// position, in px, they count as one.
+/// An occluder casts a shadow into the blur of each highlight in a group. If the standard deviation of the
+/// shadows' positions is at most this, in px, the group is tested as a single highlight.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -74,8 +74,8 @@ class FieldHighlights::OverViews final : public Lights {
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    /// Tables of the lens points nearest to each cell of the lens. They are made when a tile first needs
-    /// them, because the highlights of most images reach few tiles.
+    /// Lists the lens points nearest to each cell of a grid over the lens. The lists are made when a tile
+    /// with highlights first needs them.
     struct Tables {
         Asked always;
         std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
@@ -203,8 +203,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // Approximation: the test ignores what hides a highlight within a reflection or behind glass. The
-    // highlight counts as visible wherever its mirror or glass is visible.
+    // Approximation: a highlight in a mirror or behind glass counts as visible wherever the mirror or glass
+    // is visible. Occluders between the mirror and the highlight are ignored.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -251,8 +251,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // The points for visibility tests differ between groups of highlights and sets of lens points, so that
-    // errors are independent.
+    // Shifts the points of the visibility tests, by different amounts for each group of highlights and each
+    // set of lens points. This makes the errors of groups and sets independent.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);

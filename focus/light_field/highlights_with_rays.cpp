@@ -63,12 +63,12 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
     return light.hides == Hides::nothing && lens.bend_px_m2 * static_cast<double>(light.bend) <= most_bend_px;
 }
 
-/// Returns whether some lens points see a bright surface edge-on or from behind. Its recorded light is then
-/// incomplete.
+/// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The
+/// pinhole's samples then do not contain all of its light.
 ///
-/// Rays measure the slope of the surface at random points of `lights`, the highlights of object `id`. A point
-/// is steep if some lens point sees the surface edge-on there. At least half of the points must be steep,
-/// because even a round surface has some steep points near its outline.
+/// Traces rays to random points of `lights`, the highlights of the object `id`, and measures the slope of the
+/// surface there. At least half of the points must be too steep, because even a round surface has some steep
+/// points near its outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

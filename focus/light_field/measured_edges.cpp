@@ -26,11 +26,11 @@ constexpr std::size_t edge_rays = 16;
 /// finest_rays per pixel. With this number, the error of the measured area is at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// Rays search a part of a pixel for a highlight. This part is divided into edge_squares x edge_squares
-/// squares. All hits in one square are merged into one small highlight.
+/// The part of a pixel that rays search for a highlight is divided into edge_squares x edge_squares squares.
+/// All ray hits in one square become one small highlight.
 constexpr int edge_squares = 8;
-/// Rays do not trace the outlines of highlights if these outlines cross more pixels than this fraction of all
-/// pixels and this number.
+/// The edges of highlights are not measured if they cross too many pixels: more than this fraction of all
+/// pixels, and more than least_measured pixels.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -42,8 +42,8 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// A part of a pixel that rays search for a highlight, to measure its area. `begin` and `end` are two
-/// opposite corners, in px within the pixel.
+/// A rectangle within a pixel in which rays measure the area of a highlight. `begin` and `end` are two
+/// opposite corners of the rectangle, in px within the pixel.
 struct EdgeArea {
     Pixel pixel;
     Pixel recorded = pixel;  ///< a pixel with a record of the light in it or in one of its eight neighbours
@@ -66,10 +66,11 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels that the outline of the surface may cross, where rays can improve the result.
+    /// Returns the pixels at the edge of the bright surface in which rays measure the bright area better than
+    /// the records do.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel that a highlight may cover, according to the recorded highlights in this
-    /// pixel and its eight neighbours.
+    /// Returns the rectangle within a pixel in which a highlight may lie, estimated from the recorded
+    /// highlights in this pixel and its eight neighbours.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
     /// Traces `across` x `across` rays through a part of a pixel. Divides this part into squares, and returns
     /// one small highlight for each square in which rays hit bright light.
@@ -91,8 +92,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The next sample is twice the root of `light.area` away. The highlight may reach almost that
-            // far.
+            // The highlight may extend almost to the next sample, which is this far from the highlight's own
+            // sample.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -146,7 +147,6 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // The highlight counts as small if the bright area within 5 x 5 pixels is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {

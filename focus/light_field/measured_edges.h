@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// Measures small highlights of `mesh` again with rays, because coarse records misjudge their area. The scene
-/// must be static.
-/// - `less`: selects the surfaces whose bright light counts as highlights
+/// Measures the area of small highlights in `mesh` with rays, because the recorded samples are too coarse for
+/// small areas. The scene must be static.
+/// - `less`: tells which surfaces' bright light counts as highlights
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
 
 }  // namespace postlens

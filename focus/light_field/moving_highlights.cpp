@@ -14,8 +14,8 @@ constexpr int looks = 64;
 /// A moving highlight is drawn at several instants. Between two of them, it should move by at most step_px
 /// (in px), or by step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// The fractional part of x turn_x + y turn_y selects one of `turns` instants, so that neighbouring
-/// highlights use different instants. (x, y) is the position in px.
+/// Neighbouring highlights are drawn at different instants, chosen from `turns` sequences of instants. For a
+/// highlight at (x, y), in px, the fractional part of x turn_x + y turn_y chooses the sequence.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// A moving highlight is not drawn at instants at which its position or CoC radius exceeds this, in px.

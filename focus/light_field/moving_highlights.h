@@ -53,8 +53,8 @@ class HighlightMotion {
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` equally spaced instants of the exposure. A highlight at rest is
     /// returned once, with Moment::u = -1.
-    /// - `turned`: shifts the instants according to the position, so that neighbouring highlights use
-    ///   different instants
+    /// - `turned`: whether to shift the instants by an amount that depends on the highlight's position, so
+    ///   that neighbouring highlights use different instants
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

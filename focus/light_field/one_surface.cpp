@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A surface counts as too steep if its image from the rim of the lens is stretched or compressed by more
-/// than this fraction, compared with its image from the centre of the lens.
+/// A surface is too steep if its image from the lens's rim is stretched or compressed by more than this
+/// fraction, compared with its image from the lens's centre.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -80,9 +80,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts how many pixels the surfaces cover in each cell (8 x 8 px) of the pinhole image. If the
-            // count exceeds the cell's number of pixels, a surface covers some of them twice: it overlaps
-            // itself.
+            // Counts the pixels of recorded surfaces in each cell of 8 x 8 px. A count above 64 shows that
+            // one surface covers a pixel twice, because the surface overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -29,7 +29,8 @@ struct OneSurface {
 /// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
-    /// `lens_px` is the largest displacement |x| and |y| by a lens point, in px per 1/m of inverse depth.
+    /// `lens_px`: how far a lens point shifts the image of a surface at most, in x and in y, in px per 1/m of
+    /// inverse depth.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
     /// Adds planar parts of surfaces to the search: `primary` seen directly, `deeper` in mirrors or through
     /// glass (may be empty).

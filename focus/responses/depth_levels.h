@@ -59,8 +59,8 @@ class DepthLevels {
     /// Returns whether the depth levels become denser towards the focus (LevelTable), instead of being
     /// equally spaced.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// Computes level_of for each inverse depth. Requires around_focus() to be true, and room for all results
-    /// in `level`.
+    /// Sets level[i] to the depth level nearest to inverse_depth_per_m[i], for all i. Only valid if
+    /// around_focus() is true.
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }

@@ -11,8 +11,8 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// Largest width of a kernel's part outside the CoC, even if more than the fraction `tail` of the energy is
-/// lost.
+/// A kernel extends beyond the circle of confusion by at most this many px, even if more than the fraction
+/// `tail` of the energy is then cut off.
 constexpr double widest_skirt_px = 256;
 /// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
 /// then finer than a pixel.

@@ -29,8 +29,8 @@ struct KernelRow {
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Kernels are clipped to columns [-x, x) and rows [-y, y) around a sample, in px. From any sample, this
-/// range covers the whole image.
+/// Blur kernels are clipped to the columns [-x, x) and rows [-y, y) around a sample. x and y are so large
+/// that every sample's kernel can cover the whole image.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -71,8 +71,8 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// Sizes of a highlight's blur may be rounded to ellipse_step_px / 4^k if the blur radius is below
-    /// element k, in px.
+    /// For highlights, the sizes of a blur ellipse may be rounded to smaller steps, of ellipse_step_px / 4^k.
+    /// This requires a blur radius below element k of this array, in px.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -83,8 +83,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// True if half_height, half_chord, top_displacement and map_yy store the four entries of a 2x2 matrix,
-    /// for apertures that are not round.
+    /// True for an aperture that is not round. Its blur is described by a 2x2 matrix, whose entries are in
+    /// half_height, half_chord, top_displacement and map_yy.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -95,7 +95,8 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Matrix entries are rounded to this many bits of the largest entry, so that samples share kernels.
+    /// The entries of a 2x2 matrix are rounded so that the largest entry keeps this many bits. More samples
+    /// then share a kernel.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -104,7 +105,8 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns how many bits the key's largest size or matrix entry needs, in units of step_px().
+    /// Returns how many bits the largest of this key's sizes or matrix entries has, as an integer in units of
+    /// step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -163,8 +165,8 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers exist. Numbers of discs that were not requested count too, but are not
-    /// valid.
+    /// Returns how many kernel numbers there are. Each depth level has a number, even if no sample uses its
+    /// kernel and the kernel does not exist.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }

@@ -26,8 +26,8 @@ const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Returns the depth level of a CoC diameter as a real number, which the callers round to an integer. The
-/// inverse function is diameter_after.
+/// Returns the depth level of a CoC diameter as a real number, not yet rounded to an integer. diameter_after
+/// is the inverse function.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;

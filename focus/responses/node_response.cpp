@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A blur radius, in px, for which positions are rounded to a quarter pixel. Smaller kernels that are
-/// expensive are rounded like this radius.
+/// With a blur radius of this size, in px, phases_of rounds the centre of a kernel to quarter pixels. This
+/// radius is also used for smaller kernels that take long to compute.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -42,7 +42,8 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Computes the depth from the rounded `map_px`, because the transmittance must match the blur kernel.
+    // Computes the depth from the rounded matrix `map_px`, as for the kernel. Otherwise, kernel and
+    // transmittance would belong to different depths.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -58,8 +59,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Displacement of the image, in px per lens radius: scale (s - w), with s = 1 / focus distance. glm
-    // matrices are column-major.
+    // This matrix maps a lens point, in lens radii, to the displacement of the image, in px: scale (s - w),
+    // with s = 1 / focus distance. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -71,7 +71,8 @@ class NodeResponses {
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Returns the rounded subpixel positions at which a sample's blur kernel is added, with their weights.
+    /// Returns the positions at which a sample's blur kernel is added, rounded to subpixels, and a weight for
+    /// each position. A sample between quadtree cells may have one position per cell.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// From this CoC radius on, in px, a sample is blurred as a whole, not separately for each adjacent quadtree
-/// cell.
+/// A sample stands for a quarter of each of the four quadtree cells around it. From this CoC radius on, in
+/// px, the four quarters share one blur disc.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions, along each axis, for which kernels of this radius are computed.
@@ -78,8 +78,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // The light of each adjacent quadtree cell is placed at the centre of the cell's quadrant next to the
-        // sample.
+        // This part of the sample's light comes from a quarter of one quadtree cell. It is moved to the
+        // centre of the quarter, by a fourth of the cell's width along each axis.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -32,8 +32,8 @@ struct Phases {
     }
 };
 
-/// Returns the subpixel positions of a sample's blur kernel after rounding. Their weights add up to the
-/// weight of the sample.
+/// Returns one or more positions for the centre of a sample's blur kernel, rounded to subpixels. The weights
+/// of the positions add up to the weight of the sample.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

@@ -28,8 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Shift of the vignetting edge within the blur, in px, when the blurred point moves by 1 px in the
-        // image.
+        // If a point moves by 1 px in the image, the edge that vignetting cuts into the point's blur moves by
+        // this distance, in px.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -51,8 +51,8 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // A kernel serves a whole square of the image. If vignetting blocks all light at the square's centre,
-        // it is ignored.
+        // The kernel for a whole square of the image is computed at the square's centre. If vignetting blocks
+        // all light there, the kernel ignores vignetting (`whole`).
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -72,7 +72,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // Solves map_px = map_px_m_ (1 / s - 1 / z) for 1 / z, with the focus distance s.
+            // The inverse depth 1 / z follows from map_px = map_px_m_ (1 / s - 1 / z), where s is the focus
+            // distance.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -23,14 +23,14 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Samples that lie at corners of undivided pixels and show no reflections: one element per pixel corner, row
-/// by row.
+/// Plain samples show no reflections, and lie at corners of pixels that the quadtree does not divide. They
+/// are stored compactly: one element per pixel corner, row by row.
 struct PlainCorners {
-    /// Inverse depth of the sample at each pixel corner, in 1/m, or `not_plain` if it is not stored here.
+    /// Inverse depth of the plain sample at each pixel corner, in 1/m, or `not_plain` if there is none.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// Indices into PointSamples::samples of the samples that are not stored in `inverse_depth`. Those of row
-    /// i begin at others[other_begin[i]].
+    /// Indices into PointSamples::samples of all samples that are not plain. The samples of row i begin at
+    /// others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {

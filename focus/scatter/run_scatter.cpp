@@ -12,7 +12,8 @@ namespace {
 /// Rows of samples that are summed in float before the sums are added in double. With so few rows, the
 /// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// With so few rows of samples at a time, the sums of 64 image columns usually stay in the L1 cache.
+/// The image is computed in strips of 64 columns. This many rows of samples are added to a strip before the
+/// next strip, so that the sums of the strip usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -43,8 +44,8 @@ struct RowRange {
     int begin, end;
 };
 
-/// Adds a row of samples, blurred by discs: the lower halves from `down` downwards, the upper halves from
-/// `up` upwards.
+/// Blurs a row of samples with a disc, and adds the result to a strip of the image. As a disc is symmetric,
+/// each of its rows is added twice: below the samples (`down`), and above them (`up`).
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -147,7 +148,8 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Also writes 0 into rows of the block that no sample reaches.
+    // Rows from `fresh_from_` on have no sums yet. They are also written if no sample has reached them, and
+    // then become 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -195,7 +197,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Uses only the lower half of the kernel (rows dy >= 0), because row -1 - dy equals row dy.
+    // The upper half of the kernel mirrors the lower half: row -1 - dy equals row dy. So only rows with dy >=
+    // 0 are used.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);

@@ -29,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
 using Sums = std::array<const double*, 4>;
 
-/// Returns what a pixel is divided by: its samples' weight, raised towards 1 by at most `most_nothing`, the
-/// weight of empty space.
+/// Returns the weight by which a pixel's sum of colours is divided. If the samples' weights add up to less
+/// than 1, empty space fills the rest, but at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

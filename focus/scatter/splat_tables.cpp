@@ -79,8 +79,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Only directly visible surfaces at a finite depth count for the largest CoC, because in mirrors and
-    // glass, the CoC has no limit near a caustic.
+    // The largest CoC is reported only for directly visible surfaces at a finite depth. Near a caustic in a
+    // mirror or glass, a CoC could be arbitrarily large.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -241,7 +241,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // Adds 1 px, because a kernel's centre may lie up to 1 px from its integer position.
+    // 1 px is added because the centre of a kernel may lie up to 1 px from the integer position of the
+    // kernel.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }

@@ -42,8 +42,8 @@ struct SplatRun {
     std::uint32_t kernel = 0;
 };
 
-/// Number of size classes of blur kernels. The samples of each row are sorted by class, so that a block of
-/// pixels far from the row tests only the samples with large kernels.
+/// The samples of each row are sorted into this many classes by the size of their blur kernel. A block of
+/// pixels far from the row then skips the classes whose kernels do not reach the block.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
@@ -94,16 +94,16 @@ class SplatTables {
     /// Computes the blur kernels. Call it after the last row was added.
     void finish();
 
-    /// To compute an image in strips (groups of rows), call this, then add all samples. begin_strip then
-    /// returns the rows to add again for a strip.
+    /// A large image is computed in strips (groups of rows). First call survey() and add all samples. Then,
+    /// for each strip, call begin_strip(), add the rows that it returns once more, and call finish_strip().
     void survey() { keep_ = Keep::none; }
-    /// Starts the strip `part` of the image. Returns the row ranges [begin, end) of samples to add again
-    /// before finish_strip().
+    /// Starts the strip `part` of the image. Returns the ranges [begin, end) of rows whose samples must be
+    /// added for this strip.
     /// - `block_px`: height of the groups of rows that splats_reaching() counts
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns how many samples the blur spreads into the groups [begin, end) of `block_px` image rows. Call
-    /// it after finish_strip().
+    /// Returns how many samples the blur spreads into a range of image rows. `begin` and `end` count groups
+    /// of `block_px` rows (see begin_strip). Call it after finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -113,22 +113,22 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns a colour channel (0 to 2) of row y. Valid only where adjacent samples share a blur disc
-    /// (SplatRun).
+    /// Returns one colour channel (0 to 2) of the samples in row y. Only samples that belong to a SplatRun
+    /// have valid values.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// Range of rows around a sample that the largest disc of any SplatRun (adjacent samples with equal blur)
-    /// covers.
+    /// The blur disc of a sample in a SplatRun covers at most the rows [run_dy_begin, run_dy_end), relative
+    /// to the row of the sample.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns, for each pixel in row y, the largest fraction that may be empty space, or null if no pixel
-    /// may contain any.
+    /// Returns, for each pixel in row y, an upper bound of the fraction of the pixel that may show empty
+    /// space. Returns null if no pixel may show empty space.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *

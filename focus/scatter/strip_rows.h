@@ -62,8 +62,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the samples that are kept because of their large blur. If they need too much,
-    /// only those with an even larger blur are kept. Call it after complete rows were added.
+    /// Items that reach many rows stay in memory. If they need more than `far_bytes`, keeps only the items
+    /// that reach even more rows. Call it after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
