@@ -156,9 +156,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // A ray from a highlight is given either by a lens point or by a position in the pixel. If the blur
-        // is smaller than a pixel, chooses a random lens point, because most lens points send light into the
-        // pixel. Otherwise, chooses a random position in the pixel.
+        // Chooses a random lens point if the blur is smaller than a pixel, because the ray then rarely misses
+        // the pixel. Otherwise, chooses a random position in the pixel, because the ray then rarely misses
+        // the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

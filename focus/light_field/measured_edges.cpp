@@ -92,8 +92,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The highlight may extend almost to the next sample, which is this far from the highlight's own
-            // sample.
+            // The highlight may extend from its sample almost to the next sample, which is this far away.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

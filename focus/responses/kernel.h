@@ -95,8 +95,8 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// The entries of a 2x2 matrix are rounded so that the largest entry keeps this many bits. More samples
-    /// then share a kernel.
+    /// The entries of the matrix in a key are rounded so that the largest entry keeps this many bits. More
+    /// samples then share a kernel.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -105,8 +105,8 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns how many bits the largest of this key's sizes or matrix entries has, as an integer in units of
-    /// step_px().
+    /// Returns how many bits the largest size or matrix entry in this key has. Sizes and entries are
+    /// integers, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;

@@ -42,8 +42,8 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Computes the depth from the rounded matrix `map_px`, as for the kernel. Otherwise, kernel and
-    // transmittance would belong to different depths.
+    // The depth at which a point has the blur `map_px`. The transmittance is computed for this depth, too, so
+    // that it matches the blur kernel.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -59,8 +59,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // This matrix maps a lens point, in lens radii, to the displacement of the image, in px: scale (s - w),
-    // with s = 1 / focus distance. glm matrices are column-major.
+    // Maps a lens point, in lens radii, to the displacement of the node's image, in px: scale (s - w), where
+    // s is the inverse focus distance and w the node's matrix W. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -12,8 +12,8 @@ namespace {
 /// Rows of samples that are summed in float before the sums are added in double. With so few rows, the
 /// rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// The image is computed in strips of 64 columns. This many rows of samples are added to a strip before the
-/// next strip, so that the sums of the strip usually stay in the L1 cache.
+/// The image is computed in strips of 64 columns. This many rows of samples are added to one strip before the
+/// next strip is computed, so that the sums of a strip usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -148,7 +148,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows from `fresh_from_` on have no sums yet. They are also written if no sample has reached them, and
+    // Rows from `fresh_from_` on have no sums yet. They are written even if no sample has reached them, and
     // then become 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
@@ -197,8 +197,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The upper half of the kernel mirrors the lower half: row -1 - dy equals row dy. So only rows with dy >=
-    // 0 are used.
+    // The upper half of the kernel mirrors the lower half: row -1 - dy equals row dy. So only the rows from
+    // dy = 0 downwards are used.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
