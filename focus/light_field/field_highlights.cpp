@@ -14,23 +14,12 @@
 namespace postlens {
 namespace {
 
-/// Highlights whose smallest blur radius is at least this, in px, are spread by blur kernels. The mean of
-/// images from single lens points would show them as separate dots.
-constexpr double spread_from_px = 2;
 /// Below this blur radius, in px, all lens points see a highlight in the same pixel. So the visibility of the
 /// highlight is tested from all lens points.
 constexpr double seen_by_all_px = 0.5;
 /// Kernels spread a sharp highlight only if the bright area in its square of 16 x 16 px is smaller than this,
 /// in px^2. `small_px2` is for mirror images that may be partly hidden, `sharp_px2` for unhidden highlights.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Edge, in px, of the squares within which highlights of one surface are merged into one light source.
-constexpr float merged_px = 0.5F;
-/// Largest number of times that the width merged_px is halved. Smaller squares would be useless, because
-/// kernel positions are rounded to 1/16 px.
-constexpr int most_halvings = 2;
-/// Largest invisible error of radiance: half an 8-bit step of a dark sRGB value. There, sRGB values rise
-/// 12.92 times as fast as scene-linear radiance.
-constexpr double invisible = 0.5 / 255 / 12.92;
 /// Highlights that lie within the same small square are merged into one light source. For moving highlights,
 /// the width of the square depends on the number of instants at which they are drawn:
 /// - 1/8 px up to moments_of_eighths instants
@@ -49,51 +38,6 @@ constexpr float white = 1;
 constexpr float least_radiance = 1;
 /// Highlights of one surface within a square of this width in the image share one visibility test.
 constexpr double group_px = 1.5;
-
-double light_of(const std::array<float, 3>& rgb) {
-    return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
-}
-
-/// An inclined surface looks larger from one side of the lens, and sends more light through this side.
-/// Returns how far this shifts the centre of the surface's blur, in px.
-glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
-    glm::dvec2 widening = radius_px_m * slope;
-    widening /= std::max(1.0, glm::length(widening));
-    return px_from_lens * (widening / -4.0);
-}
-
-/// Returns how often the square width `merged_px` must be halved, so that merging the highlights in a square
-/// changes no pixel visibly.
-///
-/// Merging the highlights in a square of width a changes a pixel by L a^3 / (8 A), where L is their radiance,
-/// and A the area of their blur, in px^2.
-int halvings(const Highlight& h, double blur_px) {
-    const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
-                 side = std::cbrt(8 * invisible * std::numbers::pi * blur_px * blur_px / radiance);
-    int out = 0;
-    while (out < most_halvings && std::ldexp(static_cast<double>(merged_px), -out) > side) ++out;
-    return out;
-}
-
-/// A part of an interval, and its share of the whole.
-struct Span {
-    double middle, share;
-};
-
-/// Divides an interval at the borders of pixels.
-std::vector<Span> divided_at_pixels(double middle, double length) {
-    constexpr double least_px = 1e-3;  // shorter parts stay with their neighbour
-    std::vector<Span> out;
-    double from = middle - length / 2;
-    const double end = middle + length / 2;
-    for (double border = std::floor(from) + 1; border < end - least_px; ++border) {
-        if (border - from < least_px) continue;
-        out.push_back({(from + border) / 2, (border - from) / length});
-        from = border;
-    }
-    out.push_back({(from + end) / 2, out.empty() ? 1 : (end - from) / length});
-    return out;
-}
 
 }  // namespace
 
@@ -212,7 +156,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
+    const glm::dvec2 middle = s.at + inclination_shift_px(h, geometry_);
     // Divides a sharp moving highlight at pixel borders, because one kernel would put the light of the whole
     // highlight into one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;

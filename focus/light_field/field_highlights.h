@@ -49,19 +49,11 @@ class FieldHighlights {
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the light sources (merged highlights) whose blur may reach a rectangle of the
-    /// image. The rectangle must lie within one row of tiles.
+    /// image. The rectangle must lie within one tile (SeenTile::edge).
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// One of the square highlights that are merged into a light source.
-    /// - `at`: centre of the square relative to the position of the light source, in px
-    /// - `area_until`: sum of the areas of this square and all earlier squares of the light source, in px^2;
-    ///   serves to choose a random square
-    struct SourcePart {
-        glm::vec2 at{0};
-        float side = 0, area_until = 0;
-    };
     struct Source {
         int x = 0, y = 0;  ///< anchor of the kernel, image px
         std::uint32_t kernel = 0;

@@ -26,7 +26,9 @@ struct Span {
 
 /// One of the rectangles of light that are merged into one light source.
 /// - `at`: centre, px; in MergedHighlights in the raster, in FieldHighlights relative to the light source
-/// - `area_until`: area of this rectangle plus all earlier ones of the same light source, in px^2
+/// - `area_until`: sum of the areas of this rectangle and all earlier ones of the light source, in px^2;
+/// serves
+///   to choose a random rectangle
 struct SourcePart {
     glm::vec2 at{0}, size{0};
     float area_until = 0;
@@ -35,8 +37,8 @@ struct SourcePart {
 /// Returns the displacement, in px, of a highlight's image per lens radius of displacement of the lens point.
 [[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
 
-/// Returns how far a highlight's blur is shifted, in px, because an inclined surface sends more light through
-/// one side of the lens.
+/// An inclined surface looks larger from one side of the lens, and sends more light through this side.
+/// Returns how far this shifts the centre of the surface's blur, in px.
 [[nodiscard]] glm::dvec2 inclination_shift_px(const Highlight& h, const FocusGeometry& geometry);
 
 /// Highlights of the same surface and the same small cell of the raster, merged into one light source. Cells
