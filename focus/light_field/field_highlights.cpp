@@ -160,6 +160,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     // Divides a sharp moving highlight at pixel borders, because one kernel would put the light of the whole
     // highlight into one pixel.
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
+    // At the border of a pixel, rounding could move light into the next pixel.
+    const bool is_point = s.u < 0 && patch_lens(geometry_).least_blur_px(h.w) < point_below_px;
     for (const Span& y : divided_at_cells(middle.y, side, 1)) {
         for (const Span& x : divided_at_cells(middle.x, side, 1)) {
             Source part = s;
@@ -167,8 +169,9 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
             part.at += at - middle;
             part.x = static_cast<int>(whole.x);
             part.y = static_cast<int>(whole.y);
-            const auto phase = [](double in_pixel) {
-                return static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
+            const auto phase = [is_point](double in_pixel) {
+                const auto steps = static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
+                return is_point ? std::clamp(steps, 1, KernelKey::phase_steps - 1) : steps;
             };
             key.phase_x = phase(at.x - whole.x);
             key.phase_y = phase(at.y - whole.y);

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <numbers>
 
-#include "focus/responses/kernel.h"
 #include "reproject/patches/patches.h"
 
 namespace postlens {
@@ -86,9 +85,13 @@ void MergedHighlights::add(const Highlight& h) {
         merge(h, glm::vec2(side), cell_px, {0, 0});
         return;
     }
-    cell_px = std::min(std::max(cell_px, least_cell_px_), largest_cell_px);
-    // Kernel positions are cell centres, so that rounding moves no light.
-    const glm::dvec2 first_px = cell_px / 2 - inclination_shift_px(h, geometry_);
+    glm::dvec2 first_px = -inclination_shift_px(h, geometry_);
+    if (blur_px < point_below_px) {
+        cell_px = 1;  // a pixel
+    } else {
+        cell_px = std::min(std::max(cell_px, least_cell_px_), largest_cell_px);
+        first_px += cell_px / 2;  // kernel positions are cell centres, so that rounding moves no light
+    }
     for (const Span& y : divided_at_cells(static_cast<double>(h.y), side, cell_px, first_px.y)) {
         for (const Span& x : divided_at_cells(static_cast<double>(h.x), side, cell_px, first_px.x)) {
             Highlight part = h;

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "focus/responses/kernel.h"
 #include "lens/focus_geometry.h"
 #include "reproject/sheets/sheet_mesh.h"
 
@@ -15,6 +16,10 @@ namespace postlens {
 /// A highlight is sharp if its smallest blur radius is below this, in px. The mean of images from single lens
 /// points would show less sharp ones as separate dots.
 constexpr double sharp_below_px = 2;
+
+/// Below this blur radius, in px, the light that falls into a pixel is treated as if it all fell into the
+/// pixel's interior.
+constexpr double point_below_px = 1.0 / KernelKey::phase_steps;
 
 /// A part of an interval, and its share of the whole.
 struct Span {

@@ -22,7 +22,8 @@ constexpr int shortest_inner_px = 6;
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {
-    const double exact = px / step_px;
+    constexpr double most = 1 << 30;  // an overflow, and NaN, would have no defined integer value
+    const double exact = std::min(most, std::max(-most, px / step_px));
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
 }
 

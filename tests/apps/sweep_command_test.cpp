@@ -92,7 +92,8 @@ TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
     EXPECT_EQ(json::parse(with({"--predict", "--resume", "--method", "lightfield"}).out)["kept"], 2);
     const Outcome shot = with({"--predict", "--shutter", "0:0.5", "--views", "16"});
     ASSERT_EQ(shot.exit_code, 0) << shot.err;
-    for (const json& picture : json::parse(shot.out)["pictures"]) EXPECT_GT(picture["predicted_db"], 15);
+    const json report = json::parse(shot.out);
+    for (const json& picture : report["pictures"]) EXPECT_GT(picture["predicted_db"], 15);
     EXPECT_EQ(with({"--predict", "--impulse", "disc,diffraction"}).exit_code, 2);
 }
 
