@@ -115,8 +115,8 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     group_sources();
     constexpr int edge = SeenTile::edge;
     tile_columns_ = (window.width() + edge - 1) / edge;
-    tiles_.resize(static_cast<std::size_t>(tile_columns_) *
-                  static_cast<std::size_t>((window.height() + edge - 1) / edge));
+    wide_.resize(static_cast<std::size_t>((window.height() + edge - 1) / edge));
+    narrow_.resize(static_cast<std::size_t>(tile_columns_) * wide_.size());
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
         const Source& s = sources_[i];
         const Kernel& k = (*kernels_)[s.kernel];
@@ -126,9 +126,14 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
                            s.y + k.y_end() + around},
                           i};
         const RasterWindow in = common(reach.pixels, {0, window.width(), 0, window.height()});
-        for (int y = in.y_begin / edge * edge; y < in.y_end; y += edge) {
-            for (int x = in.x_begin / edge * edge; x < in.x_end; x += edge)
-                tiles_[static_cast<std::size_t>(y / edge * tile_columns_ + x / edge)].push_back(reach);
+        if (in.width() <= 0 || in.height() <= 0) continue;
+        for (int row = in.y_begin / edge; row <= (in.y_end - 1) / edge; ++row) {
+            if (in.width() > widest_tiles * edge) {
+                wide_[static_cast<std::size_t>(row)].push_back(reach);
+                continue;
+            }
+            for (int column = in.x_begin / edge; column <= (in.x_end - 1) / edge; ++column)
+                narrow_[static_cast<std::size_t>(row * tile_columns_ + column)].push_back(reach);
         }
     }
 }

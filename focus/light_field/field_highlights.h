@@ -2,6 +2,7 @@
 // surfaces hide them. All other light is blurred as the mean of images from many lens points.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -113,12 +114,20 @@ class FieldHighlights {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
-    [[nodiscard]] const std::vector<Reach>& reaching_tile(int x, int y) const {
-        return tiles_[static_cast<std::size_t>(y / SeenTile::edge * tile_columns_ + x / SeenTile::edge)];
+    /// Calls take(reach) for sources whose blur may reach the tile at (x, y), and for others, until it
+    /// returns true. Returns whether it did.
+    template <typename Take>
+    bool any_near(int x, int y, const Take& take) const {
+        const int row = y / SeenTile::edge, column = x / SeenTile::edge;
+        return std::ranges::any_of(wide_[static_cast<std::size_t>(row)], take) ||
+               std::ranges::any_of(narrow_[static_cast<std::size_t>(row * tile_columns_ + column)], take);
     }
     static constexpr int passing_px = 1;  ///< distance within which a moving source counts as near
+    /// Sources whose blur is wider than this many tiles are listed per row of tiles, to save memory.
+    static constexpr int widest_tiles = 4;
     int tile_columns_ = 0;
-    std::vector<std::vector<Reach>> tiles_;  ///< per tile of the image, the sources that reach it
+    std::vector<std::vector<Reach>> narrow_;  ///< per tile of the image
+    std::vector<std::vector<Reach>> wide_;    ///< per row of tiles
 };
 
 }  // namespace postlens

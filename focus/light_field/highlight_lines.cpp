@@ -93,9 +93,11 @@ bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
 std::vector<std::uint32_t> FieldHighlights::reaching(int x, int y, int width, int height) const {
     std::vector<std::uint32_t> out;
     const RasterWindow part{x, x + width, y, y + height};
-    for (const Reach& r : reaching_tile(x, y)) {
+    any_near(x, y, [&](const Reach& r) {
         if (meet(r.pixels, part)) out.push_back(r.source);
-    }
+        return false;
+    });
+    std::sort(out.begin(), out.end());
     return out;
 }
 

@@ -195,7 +195,7 @@ void FieldHighlights::OverViews::lay_timed(std::vector<Asked>& timed) const {
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
     if (sources_.empty()) return false;
     const RasterWindow part{x, x + width, y, y + height};
-    return std::ranges::any_of(reaching_tile(x, y), [&](const Reach& r) { return meet(r.pixels, part); });
+    return any_near(x, y, [&](const Reach& r) { return meet(r.pixels, part); });
 }
 
 bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z) const {
