@@ -22,7 +22,7 @@ constexpr int shortest_inner_px = 6;
 constexpr double smallest_ellipse_px = 1e-4;
 
 std::int32_t steps(double px, double step_px) {
-    constexpr double most = 1 << 30;  // an overflow, and NaN, would have no defined integer value
+    constexpr double most = 1 << 20;  // valid sizes are smaller; overflows and NaN need a defined value
     const double exact = std::min(most, std::max(-most, px / step_px));
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
 }
