@@ -55,7 +55,7 @@ class Job {
     /// Number of threads, at least 1.
     [[nodiscard]] int threads() const noexcept { return threads_; }
 
-    /// Calls `work`. TBB loops inside `work` use only the threads of this job.
+    /// Calls `work`. Parallel loops in `work` (TBB) use only the threads of this Job.
     void run(const std::function<void()>& work);
 
   private:
@@ -87,8 +87,8 @@ class JobScope {
     Job* before_;
 };
 
-/// Limits the number of threads of the calling thread's parallel loops, while this object exists. For this,
-/// it creates an inner job of the current job, with the given number of threads.
+/// While this object exists, limits the number of threads of the calling thread's parallel loops. For this,
+/// it creates a Job with the given number of threads within the current Job.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}

@@ -1,4 +1,4 @@
-// Converts JSON to text. Its strings may contain any bytes, as file names do.
+// Converts JSON to text. Its strings may contain any bytes, because they may be file names.
 #pragma once
 
 #include <string>

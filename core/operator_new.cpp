@@ -27,11 +27,12 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 }
 
 #ifdef POSTLENS_OWN_HEAPS
-/// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
+/// Number of huge pages (2^21 bytes each) in the address space. Addresses have 47 bits (x86-64) or 48 bits
+/// (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit per huge page, set when this page and those after it were requested from the kernel. Takes 16 MB
-/// of address space, but hardly any memory.
+/// One bit per huge page, set when request_what_follows has requested huge pages from this page on. The array
+/// takes 16 MB of address space, but hardly any memory.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Asks the kernel for huge pages at the addresses after a block, because malloc will place the next blocks
@@ -47,15 +48,15 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// In a library, does nothing, because the memory after a block belongs to the program that loads the
-/// library.
+/// A library requests no huge pages for the memory after a block, because that memory belongs to the program
+/// that loads the library.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 
 }  // namespace
 
-// The array forms and the std::nothrow forms of operator new call this function. Those for over-aligned types
-// are not replaced.
+// Replaces the global operator new. Its array forms and std::nothrow forms call this function. The forms for
+// over-aligned types are not replaced.
 void* operator new(std::size_t bytes) {
     for (;;) {
         if (void* block = std::malloc(bytes > 0 ? bytes : 1)) {

@@ -1,6 +1,6 @@
-// Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. Memory gets a huge page
-// (core/operator_new.cpp) only if the whole page belongs to the heap when it is first written to. Reserved
-// memory costs nothing until it is written to.
+// Makes the heaps of a program grow by 64 MB at a time instead of glibc's 128 KB. Memory can then get huge
+// pages (core/operator_new.cpp), because a whole page must belong to the heap when it is first written to.
+// Reserved memory costs nothing until it is written to.
 #include <malloc.h>
 
 namespace {

@@ -12,7 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Returns true if stderr is a terminal that supports "erase to the end of the line", which the bar needs.
+/// Returns true if stderr is a terminal that supports "erase to the end of the line", which the progress bar
+/// needs.
 bool stderr_takes_a_bar() {
     const char* terminal = std::getenv("TERM");
     return ::isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -88,7 +89,8 @@ void Progress::advance(std::uint64_t units) {
     const double elapsed_s = seconds_since(start_);
     const auto elapsed_ms = static_cast<std::int64_t>(elapsed_s * 1000);
     auto due = next_report_ms_.load(std::memory_order_relaxed);
-    // Only one thread makes the report: the one that succeeds in setting the time of the next report.
+    // Several threads may find that a progress report is due. Only the one that succeeds in setting the time
+    // of the next report makes it.
     if (elapsed_ms >= due && next_report_ms_.compare_exchange_strong(due, elapsed_ms + 100)) {
         report(elapsed_s, false);
     }

@@ -46,8 +46,8 @@ inline constexpr int sample_lanes = 16;
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// Random key for one set of sample points in one pixel. The keys of independent random streams are derived
-/// from it.
+/// Random key for one set of sample points in one pixel. `stream` derives the keys of independent random
+/// streams from it.
 struct SetKey {
     std::uint64_t value;
     /// Random streams with different `purpose` are independent.

@@ -15,8 +15,8 @@ struct Share {
     }
 };
 
-/// Several earlier runs may each have computed a share of the items, such as images, in a folder. This
-/// setting states whether a run computes missing items, or only joins the results of the earlier runs.
+/// Several runs may each compute a share of the items, such as images, in a folder. This setting states
+/// whether a run computes missing items, or only joins the results of earlier runs.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

@@ -58,9 +58,9 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
     return x;
 }
 
-/// Tables for the points of a Sobol sequence, which is linear over the bits of the index. A point is
-/// therefore the exclusive or of two table entries. The lower ten bits of its index select an entry of `low`,
-/// the next ten bits one of `high`.
+/// Tables for the points of a Sobol sequence. Each bit of a point's index stands for a number, and the point
+/// is the exclusive or of these numbers. `low` contains the results for the lower ten bits, `high` for the
+/// next ten bits.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };

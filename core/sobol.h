@@ -35,8 +35,8 @@ inline constexpr int sobol_dimensions = 5;
 // half that of three separately shuffled sequences.
 
 /// Writes to `u` coordinate `dimension` (0 .. 4) of samples first .. first + lanes - 1 of the
-/// five-dimensional Sobol sequence, scrambled with `seed`. `lanes` is 16 or 1, and first + lanes at most
-/// 2^20.
+/// five-dimensional Sobol sequence, and scrambles it with `seed`. `lanes` is 16 or 1. first + lanes is at
+/// most 2^20, the length of the tables.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
 /// Writes all coordinates of samples first .. first + 15 of the five-dimensional sequence, scrambled with
 /// `seeds`.

@@ -7,7 +7,8 @@ namespace postlens {
 /// test, because TBB would abort the process or wait forever without them.
 void require_threads(int number);
 
-/// Number of threads that a library for image files may start, in addition to the threads of the jobs.
+/// Number of threads that a library for image files may start, in addition to the threads of postlens (see
+/// Job).
 [[nodiscard]] int library_threads();
 
 /// Number of threads that log4cplus (used by Debian's OpenImageIO) starts when the picture module is loaded.

@@ -118,8 +118,9 @@ void parallel_chunks(std::size_t count, std::size_t grain,
                 }
             },
             context);
-        // If another part of an outer loop throws, TBB also cancels this inner loop, but reports no error
-        // here. The caller must not go on with incomplete results. TBB passes on only the first exception.
+        // This loop may be part of an outer loop. If another part throws, TBB also cancels this loop, but
+        // reports no error here; the caller would go on with incomplete results. TBB passes on only the first
+        // exception.
         if (context.is_group_execution_cancelled()) fail(ExitCode::interrupted, "an outer loop has failed");
     });
 }

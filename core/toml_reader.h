@@ -88,8 +88,8 @@ class TomlTable {
     /// Throws if both keys are present, because they set the same value in different ways.
     void refuse_both(std::string_view a, std::string_view b) const;
 
-    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ...", with the position of the key's value. WHAT
-    /// describes the table.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ...", with the position of the value of `key`.
+    /// WHAT describes this table.
     template <typename... Args>
     [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
                               Args&&... args) const {

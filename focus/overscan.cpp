@@ -10,12 +10,12 @@
 namespace postlens {
 namespace {
 
-/// Surfaces outside the recorded area are missing, so their blur is missing in the image. A warning appears
-/// only if this blur would reach farther into the image than this, in px.
+/// The sample file lacks surfaces outside the traced area. If their blur would reach into the image, light is
+/// missing there. A warning appears only if the blur reaches farther into the image than this, in px.
 constexpr double smallest_reach_px = 0.5;
 
-/// Blurred surfaces outside the traced area would spread light into the image. Returns how far this light
-/// reaches into the image, in px, for each pixel along one side.
+/// Surfaces outside the traced area are missing. Returns how far, in px, their blur would reach into the
+/// image, for each pixel along one border. `radii`: blur radii at the pixel corners of this border.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));

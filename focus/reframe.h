@@ -11,8 +11,8 @@ namespace postlens {
 /// its centre. For zoom < 1, they extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Magnifies the image `traced`, which shows the raster area `window`, about the image centre. Output pixels
-/// are area-weighted means.
+/// Magnifies `traced`, an image of the raster area `window`, by the factor `zoom` about its centre. Returns
+/// `width` x `height` pixels, which are area-weighted means.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

@@ -9,15 +9,15 @@
 namespace postlens {
 namespace {
 
-/// Tests whether a pixel has a sample at a given position. Only samples of layer 0 (what the pinhole sees)
-/// count, not samples of hidden surfaces.
+/// Tests whether a pixel has a sample at a given position within it. Only samples of surfaces that the
+/// pinhole sees (layer 0) count, not samples of hidden surfaces.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
     /// True if the pixel has a sample u steps to the right of its upper left corner and v steps below that
-    /// corner. A step is 1 / position_steps px.
+    /// corner. A pixel is position_steps steps wide.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -31,9 +31,9 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends the lower left corner of every quadtree leaf (undivided cell) that touches the lower edge of a
-/// pixel. Calls itself for the two lower quarters of a divided cell, i.e. of a cell with a sample at its
-/// centre. The current cell begins at u and is `size` wide, both in steps of 1 / position_steps px.
+/// Appends to `corners` the lower left corner of every quadtree leaf (undivided cell) that touches the lower
+/// edge of a pixel. Calls itself for the two lower quarters of a divided cell, i.e. of a cell with a sample
+/// at its centre. The current cell begins at u and is `size` wide, both in steps of 1 / position_steps px.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

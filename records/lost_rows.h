@@ -19,8 +19,8 @@ struct LostRows {
 };
 
 /// Makes records of rays that hit nothing, in place of the unreadable row y of a damaged file.
-/// - above: the row above, or null if there is none. If its quadtree cells have lower corners in row y, these
-///   corners get records too.
+/// - above: the row above, or null if there is none. Corners of its quadtree cells on its lower edge belong
+///   to row y, and get records, too.
 /// - offsets: receives the index of each pixel's first record, as in RecordBand::offsets
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);

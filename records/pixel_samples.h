@@ -22,8 +22,8 @@ struct PixelSample {
 [[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y,
                                                      std::size_t instant = 0);
 
-/// Returns the depth z', in metres, that the pinhole sees at a raster position: that of the nearest point
-/// sample in the same pixel. It is infinite if the sample's ray hit nothing.
+/// Returns the depth, in metres, that the pinhole sees at the raster position (x, y). It is that of the point
+/// sample in the same pixel that is closest to (x, y). It is infinite if this sample's ray hit nothing.
 [[nodiscard]] double depth_at(const SampleFileReader& file, double x, double y);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel, in steps of 1 / position_steps px. The smallest possible quadtree leaf (undivided cell)
-/// is one step wide.
+/// Width of a pixel, in steps of 1 / position_steps px. Sample positions are multiples of a step. The
+/// smallest possible quadtree leaf (undivided cell) is one step wide.
 constexpr int pixel_steps = position_steps;
 
 /// Position within a pixel: u steps to the right of its upper left corner, and v steps below this corner. The
@@ -40,8 +40,8 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every sample that the pinhole sees in pixel (x, y), sorted by y,
-/// then by x. With `top_edge_only`, calls it only for samples on the pixel's upper edge. Throws if the
-/// pixel's upper left corner has no sample.
+/// then by x. A sample has `count` records, from index first_record on. With `top_edge_only`, calls it only
+/// for samples on the pixel's upper edge. Throws if the pixel's upper left corner has no sample.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -83,9 +83,10 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills the table with the samples of pixel (x, y), which is pixel `column` of its row. The table also
-    /// gets the samples on the pixel's right and lower edges, which neighbouring pixels store. Returns false
-    /// if the quadtree is too deep for the table.
+    /// Fills `at_`, a table of positions in pixel (x, y), with the pixel's samples. These include samples on
+    /// its right and lower edges, which neighbouring pixels store. Returns false if the quadtree divides the
+    /// pixel more finely than the table.
+    /// - `column`: index of the pixel in its row
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -93,8 +94,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // The pixel on the right stores the samples on the shared edge. Its quadtree may be deeper than the
-        // table allows. Then add() skips samples that lie between two positions of the table.
+        // The pixel on the right stores the samples on the edge between the two pixels. If its quadtree is
+        // finer than the table `at_`, add() skips samples that lie between two positions of `at_`.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -109,8 +110,8 @@ class PlacedSamples {
     }
 
   private:
-    /// The table has 64 positions along each edge of a pixel, which suffice for six levels of quadtree
-    /// subdivision. A larger table would not fit into the processor's cache.
+    /// The table `at_` of a pixel's samples has 64 positions along each edge of the pixel, which suffice for
+    /// six levels of quadtree subdivision. A larger table would not fit into the processor's cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -230,8 +231,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Quadtree cells next to the first or last row may have corners in the row above or below the requested
-    // rows. These two rows are read only to complete such cells.
+    // A quadtree cell may have corners in a requested row and in the row above or below it. The rows above
+    // and below the requested rows are read only to complete such cells.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);

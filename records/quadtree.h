@@ -32,9 +32,9 @@ struct PointSample {
 /// Finds the point samples (eye rays) of rows y_begin to y_end - 1. Computes their weights, i.e. the areas of
 /// the image that they represent. Samples are listed pixel by pixel, and sorted by y, then by x.
 ///
-/// Only leaves (undivided quadtree cells) in pixel rows pixel_y_begin to pixel_y_end - 1 add to the weights
-/// of the samples at their corners. `band` must also contain the neighbouring rows y_begin - 1 and y_end if
-/// they exist. Throws Error(invalid_input) if a corner of a cell is missing.
+/// A leaf (undivided quadtree cell) adds to the weights of the samples at its corners. Only leaves in pixel
+/// rows pixel_y_begin to pixel_y_end - 1 count. `band` must also contain the neighbouring rows y_begin - 1
+/// and y_end if they exist. Throws Error(invalid_input) if a corner of a cell has no sample.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand

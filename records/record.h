@@ -42,7 +42,8 @@ class NodePath {
     [[nodiscard]] constexpr bool begins(NodePath whole) const {
         return bits_ == (whole.bits_ & ((std::uint64_t{1} << (2 * depth())) - 1));
     }
-    /// A path has two bits per bounce. The value 3 is reserved, and 0 marks the end of the path.
+    /// A path has two bits per bounce: 1 is a reflection, 2 a transmission, 3 is reserved, and 0 marks the
+    /// end of the path.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
@@ -77,8 +78,8 @@ struct RecordMark {
     /// The texture is too fine for the samples: its colour changes between this sample and its neighbours,
     /// and the quadtree allows no samples in between.
     static constexpr std::uint8_t fine_texture = 1;
-    /// Between this sample and its neighbours, the rays may have missed a gap in the object or a part of its
-    /// mesh.
+    /// The rays may have missed something between this sample and its neighbours: a gap in the object, or a
+    /// part of its mesh.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -93,9 +94,10 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point. For a lens
-    /// point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film distance /
-    /// pixel pitch, px. 0 if not measured; infinite if other lens points see the surface by another path.
+    /// Error of the matrix `w`, in 1/m^2: a mirror image does not move exactly linearly with the lens point.
+    /// For a lens point R metres from the lens centre, the image's position is wrong by w_bend * R^2 * film
+    /// distance / pixel pitch, px. 0 if not measured; infinite if other lens points see the surface by
+    /// another sequence of reflections and refractions.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

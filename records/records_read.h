@@ -17,9 +17,9 @@ struct RecordsRead {
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Calls `to.rows` for rows y_begin to y_end - 1 of `band`, and `to.leaves` for the quadtree leaves
-/// (undivided cells) of these rows. Row y_end must be in `band` too, because it contains the lower corners of
-/// the leaves. Only the last row of the file has no row below, and therefore no leaves. Throws the errors of
+/// Reports rows y_begin to y_end - 1 of `band` to `to`: calls `to.rows` for them, and `to.leaves` for their
+/// quadtree leaves (undivided cells). Row y_end must be in `band` too, because it contains the lower corners
+/// of the leaves. The last row of the file has no row below it, and therefore no leaves. Throws the errors of
 /// find_leaves, `to.rows` and `to.leaves`.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 

@@ -50,7 +50,8 @@ class SampleFileWriter {
     void next_instant();
     /// Completes the file and moves it from its temporary name to its path. Returns its size in bytes.
     std::uint64_t finish();
-    /// Returns the pinhole image computed from the records. It is complete after all rows have been written.
+    /// Returns the pinhole image, which is computed from the written records. It is complete after all rows
+    /// of the file have been written.
     [[nodiscard]] const Image& picture() const;
 
   private:
@@ -58,8 +59,8 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the number of bytes that rows y_begin to y_end - 1 of a band occupy in a sample file. Includes
-/// their entries in the offset tables, but not the pinhole image.
+/// Returns the number of bytes that rows y_begin to y_end - 1 of `band` occupy in a sample file. Includes the
+/// rows' entries in the offset tables, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 
@@ -70,7 +71,7 @@ enum class Damage {
 };
 
 /// Reads a sample file. Every function throws Error(invalid_input) if the file is damaged. With
-/// Damage::salvage, samples of rays that hit nothing replace damaged rows (stand_in_for_row).
+/// Damage::salvage, a damaged row is replaced by samples of rays that hit nothing (stand_in_for_row).
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in 64 rows must be undamaged. Otherwise, a small damaged file could
@@ -90,7 +91,7 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Number of recorded instants of a moving scene. The pinhole image shows instant 0.
+    /// Number of instants at which a moving scene is recorded. The pinhole image in the file shows instant 0.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
     /// Returns a summary of each row of records, from y = -overscan on.
@@ -111,13 +112,13 @@ class SampleFileReader {
     /// Reads rows y_begin to y_end - 1 of an instant, and verifies their checksums and values. Rows can be
     /// read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows whose records were replaced, by instant and from top to bottom. Empty without
-    /// Damage::salvage.
+    /// Returns the damaged rows, by instant and from top to bottom. With Damage::salvage, rays that hit
+    /// nothing replaced their records. Empty without Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
     /// Returns the times of recorded instants that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
     /// Returns the pinhole image stored in the file. Throws if this image is damaged. Even Damage::salvage
-    /// does not repair it, because the caller can compute the image from the records instead.
+    /// does not repair it, because the caller can compute the image from the file's records instead.
     [[nodiscard]] Image picture() const;
     /// True if the file is an OpenEXR file with the version attribute that postlens writes.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);

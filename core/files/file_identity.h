@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Returns a text that is the same for every path to the same file, also through links. For a missing file,
-/// it is made from its folder and name.
+/// Returns a text that identifies a file: it is the same for every path to the file, also through links. For
+/// a missing file, the text consists of the file's folder and name.
 [[nodiscard]] std::string file_identity(const std::filesystem::path& path);
 
 /// Throws Error(wrong_arguments) if one of the files in `written` is also in `read`.

@@ -90,7 +90,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
         // write permission is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // Follows symbolic links to the file that is written. It need not exist yet.
+    // If `destination_` is a symbolic link, replaces it by the file to which the link leads. This file need
+    // not exist yet.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);

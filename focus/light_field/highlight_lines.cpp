@@ -1,4 +1,4 @@
-// Chooses the rays that are traced to check the light of highlights in a light field. Each ray starts in a
+// Chooses rays that trace highlights again, to correct their light in a light field. Each ray starts in a
 // pixel and passes through the lens to a highlight whose blur covers the pixel.
 #include <algorithm>
 #include <cmath>
@@ -138,8 +138,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Chooses highlights with a probability proportional to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // Aims at a random position in the pixel. Rays aimed at recorded highlights would miss the parts
-            // of a moving highlight that the sample file lacks.
+            // For a moving highlight, aims at a random position in the pixel. Rays aimed at its recorded
+            // parts would miss the parts that the sample file lacks.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -158,9 +158,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // Chooses a random lens point if the blur is smaller than a pixel, because the ray then rarely misses
-        // the pixel. Otherwise, chooses a random position in the pixel, because the ray then rarely misses
-        // the lens.
+        // A ray from the highlight must hit both the pixel and the lens. If the blur is smaller than a pixel,
+        // most rays through random lens points hit the pixel. Otherwise, most rays through random positions
+        // in the pixel hit the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

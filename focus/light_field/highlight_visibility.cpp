@@ -21,22 +21,22 @@ namespace {
 /// A surface hides a highlight only if it is nearer by about 2 %: its inverse depth must exceed the
 /// highlight's inverse depth times this factor.
 constexpr float nearer = 1.02F;
-/// The time limit for the visibility tests of a tile is at least the time to draw the tile from this many
-/// lens points.
+/// If a tile has many highlights, the time to test which are hidden is limited: at least to the time in which
+/// the tile is drawn from this many lens points.
 constexpr std::size_t least_drawn = 64;
-/// A visibility test is assumed to take at least this fraction of the time to draw a tile from one lens
-/// point.
+/// Testing whether highlights are hidden means drawing a part of a tile. The estimated time is at least this
+/// fraction of the time for the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel, in px, at which the visibility of highlights is tested. Each row and each column of
 /// a 4 x 4 grid over the pixel contains one position.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// The visibility of a group of highlights is tested at four points around the group's centre. The offsets
-/// are in standard deviations of the highlights' positions.
+/// Whether occluders hide a group of nearby highlights is tested at four points around the group's centre.
+/// These are the points' offsets, in standard deviations of the highlights' positions.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// An occluder casts a shadow into the blur of each highlight in a group. If the standard deviation of the
-/// shadows' positions is at most this, in px, the group is tested as a single highlight.
+/// An occluder casts a shadow into the blur of each highlight in a group. If the shadows' positions have at
+/// most this standard deviation, in px, all highlights are tested at the group's centre.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -69,13 +69,13 @@ class FieldHighlights::OverViews final : public Lights {
         std::vector<std::uint32_t> all;
     };
     /// Finds the three nearest lens points for each cell of a grid of `edge` x `edge` cells over the lens.
-    /// Each lens point has its own instant, so its distance in time counts, too: away2(i) is the square of
-    /// this distance, and is added to the squared distance on the lens.
+    /// Lens point i has its own instant. Its distance in time, squared and in units of squared lens radii, is
+    /// away2(i), which is added to the squared distance on the lens.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
-    /// Lists the lens points nearest to each cell of a grid over the lens. The lists are made when a tile
-    /// with highlights first needs them.
+    /// Lists the lens points nearest to each cell of a grid over the lens. Their views show whether a
+    /// highlight's light reaches the cell. Made when a tile with highlights first needs it.
     struct Tables {
         Asked always;
         std::vector<Asked> timed;  ///< per span of the exposure; empty if no highlight moves
@@ -84,8 +84,8 @@ class FieldHighlights::OverViews final : public Lights {
     void lay_timed(std::vector<Asked>& timed) const;
     [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
     [[nodiscard]] const Asked& asked(const Source& s) const {
-        // Makes the tables without parallel loops. Such a loop could wait for a thread that waits here, a
-        // deadlock.
+        // Makes `tables_` without parallel loops. Other threads may wait in call_once until `tables_` is
+        // complete. A parallel loop could wait for one of these threads, a deadlock.
         std::call_once(made_, [this] { tables_ = make_tables(); });
         if (s.u < 0 || tables_.timed.empty()) return tables_.always;
         return tables_.timed[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
@@ -106,14 +106,17 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into this many intervals, each with its own list of nearest lens points.
+    /// For moving highlights, the exposure is divided into this many intervals. Each has its own list of lens
+    /// points near each part of the lens.
     static constexpr int spans = 16;
-    /// In the search for near lens points, a time difference of the whole exposure counts like this distance
-    /// on the lens.
+    /// When the nearest lens points are searched, a time difference of the whole exposure counts like this
+    /// distance on the lens, in lens radii.
     static constexpr double lens_radii_of_open = 2;
-    /// Value of Part::share if some views see the highlights and others do not.
+    /// Value of Part::share, the visible fraction of a group of highlights, if some views see the group and
+    /// others do not.
     static constexpr float differs = -1;
-    /// The visibility of a sharp highlight is tested by an eighth of the views, at least by four.
+    /// An eighth of the views, but at least four, decide how much of a sharp highlight is visible: those
+    /// whose sample lies closest to the highlight.
     static constexpr std::size_t beside_of_views = 8, least_beside = 4;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
@@ -203,8 +206,8 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // Approximation: a highlight in a mirror or behind glass counts as visible wherever the mirror or glass
-    // is visible. Occluders between the mirror and the highlight are ignored.
+    // Approximation: a highlight in a mirror or behind glass counts as visible if the mirror or glass is
+    // visible. Occluders between the mirror (or glass) and the highlight are ignored.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -251,8 +254,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     constexpr int next_row = 89;
-    // Shifts the points of the visibility tests, by different amounts for each group of highlights and each
-    // set of lens points. This makes the errors of groups and sets independent.
+    // Shifts the points at which visibility is tested. The shift is different for each group of highlights
+    // and each set of lens points, so that their errors are independent and average out.
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
                             glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
@@ -392,8 +395,9 @@ double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& 
     return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
 }
 
-/// Returns the visible part of a sharp highlight's light in one pixel. Other objects may cover a part of the
-/// pixel beside the highlight, so only views whose sample position is closest to the highlight decide.
+/// Returns the visible fraction of a sharp highlight's light in one pixel. Each view has one sample in the
+/// pixel, which may show another object beside the highlight. So only the views decide whose samples are
+/// closest to the highlight's image.
 /// - `corner`: upper left corner of the pixel
 double FieldHighlights::OverViews::seen_share_beside(const Source& s, const TileViews& views,
                                                      std::size_t pixel, const glm::dvec2& corner) const {

@@ -40,8 +40,8 @@ struct BrightLight {
 /// blurred. The mean of images from many lens points shows such light well.
 constexpr double filling = 0.5;
 
-/// Returns whether the bright light of a directly visible surface fills most of the area over which it is
-/// blurred. The area is rounded up to whole image squares (16 x 16 px).
+/// A directly visible surface is bright in one area, and its blur covers a larger area. Returns whether the
+/// bright area fills most of the larger one, which is rounded up to whole squares of 16 x 16 px.
 bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const SurfaceSeen& surface) {
     const auto [path, parent_id, id, x, y] = surface;
     constexpr double most_px = 1e5;  // wider than any image
@@ -56,7 +56,8 @@ bool fills_its_blur(const std::map<SurfaceSeen, BrightLight>& all, const Surface
     return area_px2 >= filling * std::pow((2 * reach + 1) * SheetMesh::square_px, 2);
 }
 
-/// Returns whether the sample file contains all parts of the highlight that any lens point sees.
+/// Returns whether the sample file contains all parts of the highlight that any lens point sees. It may lack
+/// parts of hidden surfaces.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -64,7 +65,7 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 }
 
 /// Returns whether a bright surface is so steep that some lens points see it edge-on or from behind. The
-/// pinhole's samples then do not contain all of its light.
+/// sample file then lacks a part of its light, because samples show the view from the lens centre.
 ///
 /// Traces rays to random points of `lights`, the highlights of the object `id`, and measures the slope of the
 /// surface there. At least half of the points must be too steep, because even a round surface has some steep

@@ -1,5 +1,5 @@
-// Chooses the highlights that blur kernels spread if the image also contains traced rays, so that no light
-// counts twice.
+// Chooses the highlights that blur kernels spread. If traced rays also add light to the image, they must
+// leave out these highlights, so that no light counts twice.
 #pragma once
 
 #include "reproject/patches/patches.h"

@@ -26,11 +26,11 @@ constexpr std::size_t edge_rays = 16;
 /// finest_rays per pixel. With this number, the error of the measured area is at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// The part of a pixel that rays search for a highlight is divided into edge_squares x edge_squares squares.
-/// All ray hits in one square become one small highlight.
+/// Rays search a pixel, or a part of it, for a highlight. They divide this area into edge_squares x
+/// edge_squares squares, and all hits in one square become one small highlight.
 constexpr int edge_squares = 8;
-/// The edges of highlights are not measured if they cross too many pixels: more than this fraction of all
-/// pixels, and more than least_measured pixels.
+/// Rays do not measure the edges of highlights if the edges cross too many pixels: more than this fraction of
+/// all pixels, and more than least_measured pixels.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Highlights that cover more than this area of a pixel, in px^2, count as filling it.
@@ -55,8 +55,8 @@ struct EdgeArea {
 struct Measured {
     EdgeArea area;
     std::vector<Highlight> lights;
-    /// `low`: the highlight touches the left (x) or the upper (y) border of `area`; `high`: the right (x) or
-    /// the lower (y) border.
+    /// Whether the highlight touches borders of the rectangle `area`. `low`: left (x) or upper (y) border;
+    /// `high`: right (x) or lower (y) border.
     glm::bvec2 low{false}, high{false};
 };
 
@@ -66,14 +66,14 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels at the edge of the bright surface in which rays measure the bright area better than
-    /// the records do.
+    /// Returns the pixels at the edge of this bright surface where traced rays measure the bright area better
+    /// than the samples in the file do.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the rectangle within a pixel in which a highlight may lie, estimated from the recorded
-    /// highlights in this pixel and its eight neighbours.
+    /// Returns the rectangle within a pixel in which a highlight may lie. It is estimated from the highlights
+    /// that the sample file contains in this pixel and its eight neighbours.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Traces `across` x `across` rays through a part of a pixel. Divides this part into squares, and returns
-    /// one small highlight for each square in which rays hit bright light.
+    /// Traces `across` x `across` rays through `area`, a part of a pixel. Divides `area` into squares, and
+    /// returns one small highlight for each square in which rays hit bright light of this surface.
     [[nodiscard]] Measured measured(const EdgeArea& area, std::size_t across, const SightRays& rays,
                                     const LightElsewhere& less) const;
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
@@ -92,7 +92,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
         .pixel = pixel, .recorded = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The highlight may extend from its sample almost to the next sample, which is this far away.
+            // The highlight may extend from its sample almost to the next sample, which is `margin` px away.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -178,8 +178,9 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depth and slope of a surface at the highlights `lights`. lines[i] is the ray through the
-/// pinhole to lights[i]. Does nothing if the highlights are seen in mirrors or through glass.
+/// Measures the depth and slope of a surface at the positions of its highlights `lights`. For this, traces
+/// lines[i], the ray through the pinhole to lights[i]. Does nothing if the highlights are seen in mirrors or
+/// through glass.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -266,8 +267,8 @@ Measured BrightSurface::measured(const EdgeArea& area, std::size_t across, const
     return out;
 }
 
-/// Returns the areas that rays must search next, if they found that a highlight touches the border of the
-/// searched area. These are a larger part of the same pixel, and neighbouring pixels.
+/// If rays found a highlight that touches the border of the searched area, returns the areas to be searched
+/// next: an enlarged area in the same pixel, and neighbouring pixels.
 std::vector<EdgeArea> continued(const Measured& m) {
     std::vector<EdgeArea> out;
     EdgeArea larger = m.area;
@@ -330,8 +331,8 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         return small * across * across + (pixels - small) * edge_rays * edge_rays;
     };
     while (finest > edge_rays && rays_of(finest) > most_rays) finest /= 2;
-    // If a highlight touches the border of a pixel, the next pixel is searched, too. A narrow highlight may
-    // continue there although no sample recorded it.
+    // Rays search pixels for highlights. If a highlight touches the border of its pixel, they also search the
+    // next pixel. A narrow highlight may continue there although the file has no sample of it.
     for (bool any = true; any && rays_of(finest) <= most_rays;) {
         std::vector<std::pair<const Edge*, const EdgeArea*>> tasks;
         for (const Edge& edge : edges) {

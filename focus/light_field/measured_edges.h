@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// Measures the area of small highlights in `mesh` with rays, because the recorded samples are too coarse for
-/// small areas. The scene must be static.
-/// - `less`: tells which surfaces' bright light counts as highlights
+/// Measures the area of small highlights in `mesh` with traced rays, because the samples in the file are too
+/// coarse for small areas. The scene must be static.
+/// - `less`: states which surfaces' bright light is added to the image as highlights
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less);
 
 }  // namespace postlens

@@ -12,7 +12,8 @@ namespace {
 
 /// Width, in px, of the largest cells within which highlights of one surface are merged.
 constexpr double largest_cell_px = 0.5;
-/// Smaller cells are useless, because kernel positions are rounded to multiples of this.
+/// Width, in px, of the smallest cells in which highlights are merged. Kernel positions are multiples of this
+/// width.
 constexpr double smallest_cell_px = 1.0 / KernelKey::phase_steps;
 /// Largest number of cells into which all sharp highlights together are divided. If they have more area,
 /// their cells are larger.
@@ -21,10 +22,11 @@ constexpr double most_cells = 1 << 19;
 /// 12.92 times as fast as scene-linear radiance.
 constexpr double invisible = 0.5 / 255 / 12.92;
 
-/// Returns how wide the cells may be in which highlights are merged without visible error.
+/// Highlights in the same square cell of the raster are merged. Returns the largest cell width, in px,
+/// without visible error.
 ///
-/// Merging the highlights in a cell of width a changes a pixel by L a^3 / (8 A), where L is the radiance, and
-/// A the area of blur and pixel together.
+/// Merging changes a pixel's radiance by L a^3 / (8 A), where L is the highlight's radiance, a the cell width
+/// in px, and A the area of blur and pixel together, in px^2.
 double invisible_cell_px(const Highlight& h, double blur_px) {
     const double radiance = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}) / h.area),
                  area = 1 + std::numbers::pi * blur_px * blur_px,

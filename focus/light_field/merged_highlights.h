@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// A highlight is sharp if its smallest blur radius is below this, in px. The mean of images from single lens
-/// points would show less sharp ones as separate dots.
+/// A highlight is sharp if its smallest blur radius is below this, in px. If the blur is larger, images from
+/// single lens points show the highlight at separate positions, and their mean shows separate dots.
 constexpr double sharp_below_px = 2;
 
 /// Below this blur radius, in px, the light that falls into a pixel is treated as if it all fell into the
@@ -25,8 +25,8 @@ constexpr double point_below_px = 1.0 / KernelKey::phase_steps;
 struct Span {
     double middle, share;
 };
-/// Divides an interval at the borders of cells. Cell i extends from first + i * cell to first + (i + 1) *
-/// cell.
+/// Divides the interval of length `length` around `middle` at the borders of cells. Cell i extends from first
+/// + i * cell to first + (i + 1) * cell.
 [[nodiscard]] std::vector<Span> divided_at_cells(double middle, double length, double cell, double first = 0);
 
 /// One of the rectangles of light that are merged into one light source.
@@ -39,7 +39,8 @@ struct SourcePart {
     float area_until = 0;
 };
 
-/// Returns the displacement, in px, of a highlight's image per lens radius of displacement of the lens point.
+/// Returns the matrix that converts a lens point, in lens radii, to the displacement of a highlight's image,
+/// in px.
 [[nodiscard]] glm::dmat2 px_from_lens(const Highlight& h, const FocusGeometry& geometry);
 
 /// An inclined surface looks larger from one side of the lens, and sends more light through this side.
@@ -58,8 +59,8 @@ class MergedHighlights {
     /// `mesh` and `geometry` must outlive this object.
     MergedHighlights(const SheetMesh& mesh, const FocusGeometry& geometry);
 
-    /// Adds a highlight of a static surface. If it is sharp, it is divided at the borders of cells, so that
-    /// its light keeps its shape.
+    /// Adds a highlight of a static surface. A sharp highlight is divided at the borders of the cells in
+    /// which highlights are merged, so that merging keeps the shape of its light.
     void add(const Highlight& h);
     /// Adds a highlight of a moving surface. Cells are `cell_px` wide.
     void add_moving(const Highlight& h, double cell_px);

@@ -19,18 +19,19 @@ namespace postlens {
 class HighlightMotion {
   public:
     /// Moving highlights are drawn as streaks along their path only if they are small. Their total area on
-    /// one surface, within a square of 16 x 16 px, must be less than this, in px^2. Larger highlights already
-    /// look like streaks in the mean of the reprojected images.
+    /// one surface, within a square of 16 x 16 px, must be less than this, in px^2. A light field, the mean
+    /// of images at many instants, already shows larger highlights as streaks.
     static constexpr float largest_px2 = 64;
     /// Moving highlights are drawn as streaks along their path only if their radiance exceeds white by at
-    /// least this. Dimmer highlights already look smooth in the mean of the reprojected images.
+    /// least this. A light field, the mean of images at many instants, already shows dimmer highlights as
+    /// smooth streaks.
     static constexpr float least_radiance = 3;
 
-    /// Returns how an object moves from the recorded instant to the instant at which the fraction `u` (0 to
-    /// 1) of the exposure has passed.
+    /// Returns the motion of the object `id` on the raster: from the instant of the sample file to the
+    /// instant at which the fraction `u` (0 to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// - `moves`: returns whether an object moves in the image
-    /// - `map`: returns the motion of an object
+    /// - `moves`: returns whether an object moves in the image during the exposure
+    /// - `map`: returns the motion of an object on the raster
     /// - `lens`: the lens, from which the size of the blur is computed
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
@@ -38,7 +39,7 @@ class HighlightMotion {
     /// through which it is seen.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
     /// Returns whether a moving highlight is small and bright enough to be drawn as a streak along its path.
-    /// `area_px2` is the total area of the highlights of its surface (BrightSheet::area_px2).
+    /// `area_px2` is the total area of all highlights on the same surface within a square of 16 x 16 px.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A moving highlight at one instant of the exposure.
     struct Moment {
@@ -52,7 +53,7 @@ class HighlightMotion {
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` equally spaced instants of the exposure. A highlight at rest is
-    /// returned once, with Moment::u = -1.
+    /// returned once, and marked as always present (Moment::u = -1).
     /// - `turned`: whether to shift the instants by an amount that depends on the highlight's position, so
     ///   that neighbouring highlights use different instants
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
@@ -60,8 +61,8 @@ class HighlightMotion {
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Returns the motions of an object to the middles of `count` equal time intervals of the exposure.
-    /// Thread-safe.
+    /// Divides the exposure into `count` equal intervals. Returns an object's motion on the raster from the
+    /// recorded instant to the middle of each interval. Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// A surface is too steep if its image from the lens's rim is stretched or compressed by more than this
-/// fraction, compared with its image from the lens's centre.
+/// A surface counts as too steep if its image is stretched or compressed by more than this fraction when the
+/// lens point moves from the centre of the lens to the rim.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -80,8 +80,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Counts the pixels of recorded surfaces in each cell of 8 x 8 px. A count above 64 shows that
-            // one surface covers a pixel twice, because the surface overlaps itself.
+            // Counts the pixels that recorded surfaces cover in each cell of 8 x 8 px. If a cell contains
+            // only one surface, a count above 64 shows that the surface overlaps itself in the image.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -11,7 +11,7 @@
 namespace postlens {
 
 /// States for each cell (square of `edge` x `edge` px) of an image whether all lens points see the same
-/// single surface there. A surface that overlaps itself or is too steep does not count as a single surface.
+/// single surface there. A surface does not count if it covers a pixel twice, or is too steep.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -29,11 +29,11 @@ struct OneSurface {
 /// planar parts of all recorded surfaces, in one or several calls; then, call `found`.
 class OneSurfaceFinder {
   public:
-    /// `lens_px`: how far a lens point shifts the image of a surface at most, in x and in y, in px per 1/m of
-    /// inverse depth.
+    /// `lens_px`: largest displacement of a surface's image, in x and in y, by a displacement of the lens
+    /// point. In px per 1/m of difference from the inverse focus distance.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds planar parts of surfaces to the search: `primary` seen directly, `deeper` in mirrors or through
-    /// glass (may be empty).
+    /// Adds planar parts of surfaces that the lens may see: `primary` directly, `deeper` in mirrors or
+    /// through glass (may be empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

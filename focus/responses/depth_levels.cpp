@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// If the depth levels are equally spaced in depth, the CoC diameters of neighbouring levels differ by at
-/// most this, in px.
+/// Largest difference, in px, between the CoC diameters of neighbouring depth levels, if the levels are
+/// equally spaced in depth.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -17,12 +17,12 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns how many depth levels are needed if they are equally spaced in z'. When a depth is rounded to the
-/// nearest level, the CoC diameter may change by at most linear_step_px / 2. The nearest depth decides,
-/// because the diameter changes most there.
+/// Returns how many depth levels are needed if they are equally spaced in depth. When a depth is rounded to
+/// the nearest level, the CoC diameter may change by at most half of linear_step_px. The diameter changes
+/// most at the nearest depth, which therefore decides.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Half the step between levels, h, follows from coc_gain_px_m (1 / z - 1 / (z + h)) = linear_step_px / 2,
-    // where z is the nearest depth.
+    // At the nearest depth z, a depth error h (half the step between levels) changes the CoC diameter by
+    // coc_gain_px_m (1 / z - 1 / (z + h)). This must equal linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -96,8 +96,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // Returns nothing for depths outside the range of the levels, which only reflections and refractions can
-    // have.
+    // Returns nothing for depths outside the range of the depth levels. Only surfaces seen by reflection or
+    // refraction can have these depths.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

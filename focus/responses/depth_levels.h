@@ -1,5 +1,5 @@
-// Depth levels [potmesil1981]. Blur kernels are computed only for these depths, and each sample uses the
-// kernel of the nearest level.
+// Blur kernels are computed only for certain depths, the depth levels [potmesil1981]. The light of each
+// sample in the file is spread by the kernel of the nearest level.
 #pragma once
 
 #include <cstdint>
@@ -42,16 +42,16 @@ class DepthLevels {
     /// CoC radius, in px, of a point in focus. It is not 0, so that the disc has an area, but the disc lies
     /// within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// Largest CoC radius, in px; larger ones are reduced to it. A disc of this radius adds less than 1e-10
-    /// of a sample's light to any pixel.
+    /// Largest CoC radius, in px; larger ones are reduced to it. The error is invisible, because a disc of
+    /// this radius adds less than 1e-10 of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// Returns the number of the depth level nearest to an inverse depth in 1/m (0: infinitely far). Returns
-    /// nothing for depths outside the range of the levels.
+    /// Blur kernels are computed for certain depths, the depth levels. Returns the number of the level
+    /// nearest to an inverse depth in 1/m (0: infinitely far), or nothing outside the range of the levels.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
@@ -66,7 +66,8 @@ class DepthLevels {
     }
     /// CoC radius of each depth level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// Returns the number of finite depth levels, or nothing if the levels are not equally spaced.
+    /// Returns how many depths, except infinity, have blur kernels. Returns nothing if these depths are not
+    /// equally spaced in depth or inverse depth.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

@@ -11,8 +11,8 @@ namespace {
 
 /// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// The part of a kernel outside the circle of confusion is cut off at this width, in px, even if more than
-/// the fraction `tail` of the energy is lost.
+/// Largest width, in px, of the part of a kernel outside the circle of confusion. A wider part is cut off,
+/// even if the kernel then loses more than the fraction `tail` of its energy.
 constexpr double widest_skirt_px = 256;
 /// From this CoC radius on, in px, a uniform disc replaces the diffraction pattern, because its fringes are
 /// then finer than a pixel.

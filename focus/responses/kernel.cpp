@@ -171,7 +171,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // No lock is needed, because kernels get no new numbers after `build`.
+        // No lock is needed, because `number_of_key_` does not change after `build`.
         return number_of_key_.at(key.packed());
     }
     // No lock is needed if the kernel already has a number, which most kernels have.

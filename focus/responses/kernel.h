@@ -29,8 +29,8 @@ struct KernelRow {
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Blur kernels are clipped to the columns [-x, x) and rows [-y, y) around a sample. x and y are so large
-/// that every sample's kernel can cover the whole image.
+/// Blur kernels are clipped to the columns [-x, x) and rows [-y, y) around a sample. x and y are large enough
+/// for every sample: the clipped part would lie outside the image.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -57,8 +57,8 @@ struct Kernel {
 /// Builds the blur kernel of a uniform ellipse, clipped to `reach`. The ellipse's centre lies (phase_x,
 /// phase_y) px from the kernel's integer position.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Builds the kernel of a uniform shape or of a grid of values, clipped to `reach`. Coordinates are relative
-/// to the kernel's integer position.
+/// Builds the kernel of a uniform shape (`outline`) or of a grid of values, clipped to `reach`. Coordinates
+/// are relative to the pixel at which the kernel is added to the image.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -71,8 +71,8 @@ struct KernelKey {
     static constexpr int phase_steps = 16;
     /// Sizes of blur ellipses are rounded to multiples of this, in px, so that samples share kernels.
     static constexpr double ellipse_step_px = 0.25;
-    /// For highlights, the sizes of a blur ellipse may be rounded to smaller steps, of ellipse_step_px / 4^k.
-    /// This requires a blur radius below element k of this array, in px.
+    /// Sizes of a blur ellipse are rounded to multiples of ellipse_step_px / 4^k. k is 0, but may be 1 or 2
+    /// for highlights with a blur radius below element k of this array, in px.
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Largest size of a blur ellipse, in px. Larger ones are scaled down.
     static constexpr double largest_ellipse_px = 16000;
@@ -83,8 +83,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    /// True for an aperture that is not round. Its blur is described by a 2x2 matrix, whose entries are in
-    /// half_height, half_chord, top_displacement and map_yy.
+    /// True for an aperture that is not round. Its blur is described by a 2x2 matrix from lens points to px.
+    /// half_height, half_chord, top_displacement and map_yy contain the entries of this matrix.
     bool is_map = false;
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -95,18 +95,18 @@ struct KernelKey {
     /// Returns the cache key of an elliptic blur kernel. `fine` selects the finest rounding that is allowed
     /// for its size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// The entries of the matrix in a key are rounded so that the largest entry keeps this many bits. More
-    /// samples then share a kernel.
+    /// The blur of an aperture that is not round is described by a 2x2 matrix. Its entries are rounded so
+    /// that the largest keeps this many bits. More samples then share a kernel.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds sizes in the key more coarsely, by a factor of 2^times, so that more keys share one blur
-    /// kernel.
+    /// Rounds the sizes of the blur ellipse, or the entries of the blur matrix, more coarsely by a factor of
+    /// 2^times. More keys then share one blur kernel.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns how many bits the largest size or matrix entry in this key has. Sizes and entries are
-    /// integers, in units of step_px().
+    /// A blur is described by the sizes of an ellipse or the entries of a matrix, integers in units of
+    /// step_px(). Returns how many bits the largest of them has.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -136,8 +136,9 @@ struct Reach {
 /// the numbers, but not the kernels.
 class KernelTable {
   public:
-    /// - `disc_radius_px`: CoC radius of each depth level; blur kernel number i is the disc of level i
-    /// - `model`: computes the kernels; must outlive the table
+    /// - `disc_radius_px`: CoC radius of each depth level (depth for which blur is computed); blur kernel
+    ///   number i is the disc of level i
+    /// - `model`: computes the kernels; must outlive this object
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
     /// Returns the number of the blur kernel with this key. After `build`, only keys that were requested
@@ -146,12 +147,12 @@ class KernelTable {
     /// Requests the blur kernel of a depth level, so that `build` computes it. The kernel is a disc whose
     /// centre is an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds all requested kernels, in parallel. Call it once. Ellipses are rounded more coarsely above
-    /// `memory_limit_bytes`. Throws Error(out_of_memory).
+    /// Builds all requested blur kernels, in parallel. Call it once. Above `memory_limit_bytes`, their sizes
+    /// are rounded more coarsely, so that samples share kernels. Throws Error(out_of_memory).
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees the memory that number_of uses, so number_of must not be called afterwards. Call it after
-    /// `build`.
+    /// Frees the table in which number_of finds the number of a blur kernel. Call it after `build`. number_of
+    /// must not be called afterwards.
     void forget_keys() { number_of_key_ = {}; }
 
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
@@ -165,8 +166,8 @@ class KernelTable {
     /// Returns the range of pixels that a blur kernel covers, over all colour channels. Call it after
     /// `build`.
     [[nodiscard]] const Reach& reach(std::uint32_t number) const { return reaches_[number]; }
-    /// Returns how many kernel numbers there are. Each depth level has a number, even if no sample uses its
-    /// kernel and the kernel does not exist.
+    /// Returns how many numbers of blur kernels there are. Each depth level has a number, even if no sample
+    /// uses its kernel, which then does not exist.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns how many depth levels have a blur kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
@@ -208,7 +209,8 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// A thread's own cache of kernel numbers, so that threads rarely use the shared table.
+/// Each thread has its own cache of the numbers of blur kernels. So threads rarely search the KernelTable
+/// that they share.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -23,8 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // The packed key has 17 bits for each number, including the sign. Larger numbers would overflow, and
-    // different kernels could get the same key.
+    // KernelKey::packed has 17 bits for each of these numbers, including the sign. Larger numbers would
+    // overflow, and different kernels could get the same key.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -81,8 +81,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Several keys may become equal when they are coarsened, and the first one is kept. Sorting makes
-        // this choice independent of thread timing.
+        // When the keys of kernels are rounded more coarsely, several may become equal, and only the first is
+        // kept. Sorting makes it independent of thread timing which key is the first.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

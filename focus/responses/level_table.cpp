@@ -9,18 +9,18 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between neighbouring CoC diameters of medium size (small_px to even_px), in px. Rounding changes a
-/// diameter by less than a quarter pixel.
+/// For CoC diameters from small_px to even_px, blur kernels are computed in steps of this many px. Rounding
+/// to the nearest step changes a diameter by less than a quarter pixel.
 constexpr double step_diameter_px = 0.49;
-/// Step between neighbouring CoC diameters up to small_px: 2 % of the diameter, at least 1/8 px. A larger
-/// step would change the brightness of small highlights.
+/// For CoC diameters up to small_px, blur kernels are computed in steps of 2 % of the diameter, at least 1/8
+/// px. A larger step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
 /// CoC diameters below this, in px, are not blurred, because such a small blur would be hardly visible.
 constexpr double sharp_below_px = 0.4;
-/// Above the CoC diameter even_px, the diameters of neighbouring depth levels differ by the factor
-/// exp(1/levels_per_e).
+/// For CoC diameters above even_px, blur kernels are computed for this many diameters per factor e (Euler's
+/// number).
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,

@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// The CoC diameters for which blur kernels are computed. Others are rounded to the nearest. Steps grow from
-/// 1/8 px to half a pixel. Above `even_diameter_px`, they are 1/500 of the diameter.
+/// The CoC diameters for which blur kernels are computed. Others are rounded to the nearest. With growing
+/// diameter, the steps grow from 1/8 px to half a pixel. Above `even_diameter_px`, they are 1/500 of the
+/// diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -40,8 +41,8 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Size of the lookup table from CoC diameters to depth levels. At most one depth level begins in each
-    /// cell.
+    /// Size of the table in which the depth level of a CoC diameter is looked up. The level changes at most
+    /// once within each cell.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};

@@ -46,7 +46,8 @@ struct NodeResponse {
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth, in 1/m, for which the blur kernel is computed. Only set if kernels vary over the image.
+    /// Inverse depth, in 1/m, for which the transmittance of the lens is computed. Only set if blur kernels
+    /// vary over the image; otherwise, the transmittance is 1.
     double inverse_depth_per_m = 0;
 };
 
@@ -59,8 +60,8 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the blur kernel for a surface point that is seen by reflection or refraction. The depth model
-    /// determines the depth at which it is blurred.
+    /// Returns the blur kernel for `node`, a surface point that is seen by reflection or refraction. The
+    /// depth model selects the blur of `primary`, of the path length, or of the node's matrix W.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
     /// Returns the fraction of a sample's light that the lens transmits: 1 without vignetting.
@@ -71,8 +72,8 @@ class NodeResponses {
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Returns the positions at which a sample's blur kernel is added, rounded to subpixels, and a weight for
-    /// each position. A sample between quadtree cells may have one position per cell.
+    /// Returns the positions at which a sample's blur kernel is added, rounded to subpixels, with a weight
+    /// for each. A sample at a border between quadtree cells may have one position in each of these cells.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// A sample stands for a quarter of each of the four quadtree cells around it. From this CoC radius on, in
-/// px, the four quarters share one blur disc.
+/// A sample stands for a quarter of each of the four quadtree cells around it. If its CoC radius is at least
+/// this, in px, the four quarters share one blur disc.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions, along each axis, for which kernels of this radius are computed.
@@ -78,8 +78,9 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // This part of the sample's light comes from a quarter of one quadtree cell. It is moved to the
-        // centre of the quarter, by a fourth of the cell's width along each axis.
+        // This part of the sample's light comes from a quarter of one quadtree cell. It is added at the
+        // centre of this quarter. Along each axis, the centre lies a fourth of the cell's width from the
+        // sample.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -16,7 +16,8 @@ struct Phase {
     float weight;
 };
 
-/// The subpixel positions, at most four, at which a sample's blur kernel is added to the image.
+/// The subpixel positions, at most four, at which a sample's blur kernel is added to the image. Together they
+/// approximate the area of the sample.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;
@@ -32,8 +33,8 @@ struct Phases {
     }
 };
 
-/// Returns one or more positions for the centre of a sample's blur kernel, rounded to subpixels. The weights
-/// of the positions add up to the weight of the sample.
+/// Returns one or more subpixel positions for the centre of a sample's blur kernel. The sample's light is
+/// divided among them: their weights add up to the weight of the sample.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

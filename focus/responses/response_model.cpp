@@ -28,8 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // If a point moves by 1 px in the image, the edge that vignetting cuts into the point's blur moves by
-        // this distance, in px.
+        // Vignetting cuts an edge into the blur of a point. If the point's image moves by 1 px, this edge
+        // moves within the blur by this distance, in px.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -72,8 +72,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The inverse depth 1 / z follows from map_px = map_px_m_ (1 / s - 1 / z), where s is the focus
-            // distance.
+            // The mean blur radius in r.map_px is map_px_m_ (1 / s - 1 / z), where s is the focus distance.
+            // The inverse depth 1 / z follows from it.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A blur kernel to be computed. `map_px` converts a lens point, in lens radii, to a position relative to the
-/// kernel's centre, in px. Light through this lens point arrives there if there are no aberrations.
+/// A blur kernel to be computed. `map_px` converts a lens point, in lens radii, to the position, in px from
+/// the kernel's centre, at which light through this point arrives without aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -42,8 +42,8 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether the blur depends on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Width, in px, of the squares of the image in which all samples at one depth share one blur kernel; 0
-    /// for the whole image. `map_px` converts lens points to px.
+    /// In a square of the image, all samples at one depth share one blur kernel. Returns the width of this
+    /// square, in px; 0 for the whole image. `map_px` converts lens points to px.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance of the lens for a scene point at `place_px` from the image's centre, from 0
     /// to 1.
@@ -51,26 +51,26 @@ class ResponseModel {
                                               double /*inverse_depth_per_m*/) const {
         return 1;
     }
-    /// Returns the displacement, in px, of rays through the rim of the lens by spherical aberration.
+    /// Returns by how many px in the image spherical aberration displaces rays through the rim of the lens.
     [[nodiscard]] virtual double spherical_px() const { return 0; }
     /// Returns the radius, in px, outside which the blur kernel is 0.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the largest distance, in px, over which the light of a scene point is spread. `radius_px` is
     /// the signed radius of its circle of confusion.
     [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
-    /// Computes the blur kernel. Its values add up to 1 unless `reach` clips it. They are all 0 if the lens
-    /// transmits no light.
+    /// Computes the blur kernel that `request` describes. Its values add up to 1 unless request.reach clips
+    /// it. They are all 0 if the lens transmits no light.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Blur kernels of at least this radius, in px, are computed for fewer subpixel positions than usual.
-    /// This saves time if kernels are expensive to compute.
+    /// A blur kernel is computed for several subpixel positions of its centre. From this blur radius on, in
+    /// px, the positions are fewer than usual. This saves time if kernels are expensive to compute.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Returns whether red, green and blue have different blur kernels. If so, `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether the response model supports astigmatic blur. If not, surfaces in mirrors or glass are
-    /// blurred by the mean CoC radius.
+    /// Returns whether the response model supports astigmatic blur, which mirrors and glass can cause. If
+    /// not, surfaces seen in mirrors or glass are blurred by the mean CoC radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
     /// Computes three blur kernels for each request, one per colour channel. Works in parallel. All requests
     /// must have the same subpixel position `phase_px`, because their kernels are computed together.
@@ -85,8 +85,8 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Creates the blur model of an aperture. Throws the errors of read_aperture, and Error(wrong_arguments) for
-/// a real lens (see lens_model).
+/// Creates the blur model of an aperture. Throws the errors of read_aperture. Throws Error(wrong_arguments)
+/// if `impulse` is a real lens, for which lens_model creates the model.
 /// - `half_diagonal_px`: half the diagonal of the image
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,

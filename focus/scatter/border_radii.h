@@ -15,8 +15,8 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// If the sample lies on the border of the traced area, stores its blur radius `radius_px` there, unless
-    /// a larger radius is stored already. Thread-safe for different rows.
+    /// If the sample lies on the border of the traced area, stores its blur radius `radius_px` at its
+    /// position on the border, unless a larger radius is stored already. Thread-safe for different rows.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// Stores the blur radius `radius_px` for each corner of the pixel (x, y) that lies on the border of the
     /// traced area, unless a larger radius is stored already.

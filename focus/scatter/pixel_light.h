@@ -1,4 +1,4 @@
-// A sample of another program's image with depth, before it is blurred by `scatter` or `layers`.
+// A sample of an image with depth that another program made. The methods `scatter` and `layers` blur it.
 #pragma once
 
 #include <array>

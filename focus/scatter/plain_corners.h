@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Returns whether a sample lies at a pixel corner and the four pixels around it are not divided into smaller
-/// quadtree cells.
+/// Returns whether a sample lies at the corner of four pixels that are not divided into smaller quadtree
+/// cells. It then represents a quarter of each pixel.
 [[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
     return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
 }
@@ -23,14 +23,15 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// Plain samples show no reflections, and lie at corners of pixels that the quadtree does not divide. They
-/// are stored compactly: one element per pixel corner, row by row.
+/// A sample is plain if it shows no reflections and lies at the corner of four pixels that the quadtree does
+/// not divide. Plain samples are stored compactly: one element per pixel corner, row by row.
 struct PlainCorners {
-    /// Inverse depth of the plain sample at each pixel corner, in 1/m, or `not_plain` if there is none.
+    /// Inverse depth of the sample at each pixel corner, in 1/m. It is `not_plain` if the sample shows
+    /// reflections or lies at a divided pixel.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// Indices into PointSamples::samples of all samples that are not plain. The samples of row i begin at
-    /// others[other_begin[i]].
+    /// Indices into PointSamples::samples of all other samples: those that show reflections or lie at divided
+    /// pixels. The samples of row i begin at others[other_begin[i]].
     std::vector<std::uint32_t> others, other_begin;
     /// Summary of the samples that are stored for a row.
     struct Row {
@@ -42,8 +43,9 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the samples that PlainCorners can store: those that have no reflections and lie at corners of four
-/// undivided pixels. `band` contains the records of `samples`. Reuses the memory of `out`.
+/// Finds the samples that PlainCorners can store: those that show no reflections and lie at the corner of
+/// four pixels that the quadtree does not divide. `band` contains the records of `samples`. Reuses the memory
+/// of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

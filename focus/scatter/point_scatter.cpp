@@ -98,8 +98,8 @@ void PointScatter::run(const RasterWindow& rows) {
     stride_ = static_cast<std::size_t>(rows.width()) + 1;
     sum_.resize(std::max(sum_.size(), 4 * stride_ * static_cast<std::size_t>(rows.height())));
     change_.resize(sum_.size());
-    // `change_` stores differences between neighbouring pixels. One extra pixel per row holds the difference
-    // after the last pixel.
+    // Each pixel has four values. `change_` stores their differences between neighbouring pixels. One extra
+    // pixel per row holds the difference after the last pixel.
     const std::size_t values = 4 * (static_cast<std::size_t>(reached_.width()) + 1);
     for (int y = reached_.y_begin; y < reached_.y_end; ++y) {
         for (auto* buffer : {&sum_, &change_})

@@ -10,19 +10,19 @@
 
 namespace postlens {
 
-/// Sums of the blurred samples in each pixel of a few rows: colour times kernel in channels 0 to 2, weight
-/// times kernel in channel 3.
+/// Sums over the blurred samples in each pixel of a few rows. Channels 0 to 2: colour times value of the blur
+/// kernel; channel 3: weight times this value.
 ///
-/// In the interior of a wide kernel, all pixels of a row have the same value. Only the changes at the two
-/// ends of the interior are stored, and then summed along the row. The sums use double, because with float
-/// every bright sample would leave a rounding error to its right.
+/// A wide kernel has the same value in most pixels of a row. Only the changes at the two ends of this
+/// interior are stored, and then summed along the row. The sums use double, because with float every bright
+/// sample would leave a rounding error to its right.
 class PointScatter {
   public:
     /// `channel` selects the blur kernels if each colour channel has its own.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
-    /// Adds the blurred light of all samples that reach the rows `rows` of the image.
+    /// Adds the light of all samples whose blur reaches the rows `rows` of the blurred image.
     void run(const RasterWindow& rows);
 
     /// The pixels that the blur of any sample may reach. Sums of light are stored only for these pixels.

@@ -29,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Arguments of filter_strip, which blurs a row of samples with one disc and adds the result to a strip of
-/// the image (64 columns).
+/// Arguments of filter_strip, which blurs a row of samples with a disc-shaped kernel. It adds the result to a
+/// strip of the image, which is 64 columns wide.
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -44,8 +44,9 @@ struct RowRange {
     int begin, end;
 };
 
-/// Blurs a row of samples with a disc, and adds the result to a strip of the image. As a disc is symmetric,
-/// each of its rows is added twice: below the samples (`down`), and above them (`up`).
+/// Blurs a row of samples with a disc-shaped kernel, and adds the result to a strip of the image. As a disc
+/// is symmetric, each kernel row is added twice: to an image row below the samples (`down`) and to one above
+/// them (`up`).
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -148,8 +149,8 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows from `fresh_from_` on have no sums yet. They are written even if no sample has reached them, and
-    // then become 0.
+    // The rows of `total_` from `fresh_from_` on have no values yet. They are written even if no sample has
+    // reached them; their sums are then 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -197,8 +198,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // The upper half of the kernel mirrors the lower half: row -1 - dy equals row dy. So only the rows from
-    // dy = 0 downwards are used.
+    // The centre of the disc lies between its rows -1 and 0. Its halves are mirror images: row -1 - dy equals
+    // row dy. So only the rows from dy = 0 downwards are used.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);

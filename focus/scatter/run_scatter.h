@@ -1,5 +1,5 @@
-// Blurs runs of samples with SIMD. A run consists of adjacent samples at pixel corners that all have the same
-// blur kernel, a disc.
+// Blurs adjacent samples together, with SIMD, if they lie at pixel corners and have the same blur kernel, a
+// disc. Such samples form a run.
 #pragma once
 
 #include <vector>
@@ -27,7 +27,8 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Sums blurred light in the part `block` of the image. Returns false if no samples reach the block.
+    /// Sums the light of the blurred samples in the rectangle `block` of the image. Returns false if no
+    /// samples reach the block.
     bool run(const RasterWindow& block);
 
     /// Returns the sums of a channel in row y of a strip, which is `strip_width` columns wide. Channels 0 to

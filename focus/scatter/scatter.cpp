@@ -20,17 +20,17 @@ namespace {
 // smaller ones keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of pixel rows that PointScatter computes at a time. More rows need more memory (64 B per pixel);
-/// with fewer rows, every sample is tested more often.
+/// Number of pixel rows that PointScatter computes at a time. More rows need more memory (64 B per pixel).
+/// With fewer rows, it tests more often which samples reach the rows.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// Sums of colours and weight in a row of 64 pixels: one array of strip_width values for each channel.
+/// Sums of red, green, blue and weight in a row of pixels: for each, an array of strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the weight by which a pixel's sum of colours is divided. If the samples' weights add up to less
-/// than 1, empty space fills the rest, but at most `most_nothing`.
+/// Returns the number by which a pixel's sum of colours is divided: the sum of the samples' weights. If it is
+/// less than 1, empty space fills the rest, but at most the fraction `most_nothing` of the pixel.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -53,8 +53,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Divides one colour channel by the sum of weights and stores it. Used if each channel has its own blur
-/// kernels.
+/// Divides one colour channel by the sum of the samples' weights in each pixel, and stores it in `image`.
+/// Used if each colour channel has its own blur kernels.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -73,9 +73,9 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Stores a few pixel rows in the image. Adds the samples that were blurred one by one (`points`) and the
-/// runs of adjacent samples that were blurred together (`runs`, may be null). Divides the colours by the sum
-/// of weights.
+/// Stores a few pixel rows in the image: sums of colours, divided by sums of weights. `points` has the sums
+/// of samples that were blurred one by one, `runs` (may be null) those of adjacent samples that were blurred
+/// together.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
@@ -175,8 +175,8 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Blurs every sample with the kernels of one colour channel. Returns the sums of colours (channels 0 to 2)
-/// and weights (channel 3) for every pixel.
+/// Blurs every sample with the kernels that belong to the colour channel `channel`. Returns four sums for
+/// every pixel: red, green, blue and weight.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

@@ -22,8 +22,8 @@ int shortest_run(double radius_px) {
 
 }  // namespace
 
-/// Builds the splats (samples with their blur kernels) of one row of pixel corners at a time. Each thread
-/// needs its own builder.
+/// Builds the splats (samples with their blur kernels) of one row of samples at a time. The rows lie at the
+/// pixels' corners. Each thread needs its own builder.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
@@ -114,8 +114,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Does the same as add_sample, but faster, for samples that lie at corners of undivided pixels and show no
-// reflections.
+// Adds samples that show no reflections and lie at corners of pixels that the quadtree does not divide. The
+// result is that of add_sample, but faster.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -127,8 +127,8 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // The signed CoC radius is linear in 1/z', so its absolute value is largest for the smallest or the
-    // largest 1/z'.
+    // The signed CoC radius is linear in the inverse depth. So its absolute value is largest for the smallest
+    // or the largest inverse depth.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -241,8 +241,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // 1 px is added because the centre of a kernel may lie up to 1 px from the integer position of the
-    // kernel.
+    // A kernel is added to the image at a whole pixel, its anchor. 1 px is added because the kernel's centre
+    // may lie up to 1 px from its anchor.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }

@@ -27,16 +27,17 @@ namespace postlens {
 /// `picture`. No blur kernel needs to be larger.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// A sample to be blurred. Reflections and refractions have `weight` 0, so that a sample counts only once in
-/// the sum of weights.
+/// A sample to be blurred. The reflections and refractions in it are splats of their own, with `weight` 0, so
+/// that the sample counts only once in the sum of weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// A run: adjacent samples with weight 1 that all have the same disc as blur kernel. They lie at pixel
-/// corners, in the columns [begin, end) of a row. Their colours are in SplatTables::raster_row.
+/// A run: adjacent samples that all have weight 1, and the same disc as blur kernel. They are blurred
+/// together. They lie at pixel corners, in the columns [begin, end) of a row. SplatTables::raster_row
+/// contains their colours.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
@@ -67,8 +68,8 @@ struct SplatRow {
 /// finish().
 class SplatTables {
   public:
-    /// `source` is the window of the recorded pixel corners, `picture` that of the image's pixels. `response`
-    /// computes the blur kernels; if it is null, they are discs.
+    /// `source` is the window of the samples, which lie at pixel corners. `picture` is the window of the
+    /// image's pixels. `response` computes the blur kernels; if it is null, they are discs.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -78,32 +79,33 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the samples in the rows [y_begin, y_end) of pixel corners. Throws Error(invalid_input) for a
-    /// damaged quadtree.
-    /// - `band`: the records, with one more row above and below
+    /// Adds the samples in the rows [y_begin, y_end) of pixel corners to the tables. Throws
+    /// Error(invalid_input) for a damaged quadtree.
+    /// - `band`: the records of these rows, and of one more row above and below
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
     void add_rows(const FrameRows& rows);
-    /// Adds row y of an image that another program made. `lights` are its samples, sorted by column; those
-    /// marked as hidden are skipped. Several threads may add different rows.
+    /// Adds row y of an image that another program made. `lights` are the samples of this row, sorted by
+    /// column; those marked as hidden are skipped. Several threads may add different rows.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets pixels stay partly black if their weights add up to less than 1: empty space ("nothing") fills
-    /// the rest. `most` is the largest fraction of each pixel that empty space may fill, row by row.
+    /// Lets pixels stay partly black if the weights of the samples in a pixel add up to less than 1: empty
+    /// space ("nothing") fills the rest. `most` is the largest fraction of each pixel that empty space may
+    /// fill, row by row.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
-    /// Computes the blur kernels. Call it after the last row was added.
+    /// Computes the blur kernels. Call it after the last call of add_rows or add_pixels.
     void finish();
 
     /// A large image is computed in strips (groups of rows). First call survey() and add all samples. Then,
     /// for each strip, call begin_strip(), add the rows that it returns once more, and call finish_strip().
     void survey() { keep_ = Keep::none; }
-    /// Starts the strip `part` of the image. Returns the ranges [begin, end) of rows whose samples must be
-    /// added for this strip.
+    /// Prepares to compute `part`, a strip (group of rows) of the image. Returns the ranges [begin, end) of
+    /// rows of samples that must be added again for this strip.
     /// - `block_px`: height of the groups of rows that splats_reaching() counts
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Returns how many samples the blur spreads into a range of image rows. `begin` and `end` count groups
-    /// of `block_px` rows (see begin_strip). Call it after finish_strip().
+    /// of rows, whose height is `block_px` of begin_strip. Call it after finish_strip().
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -113,14 +115,14 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Returns one colour channel (0 to 2) of the samples in row y. Only samples that belong to a SplatRun
-    /// have valid values.
+    /// Returns one colour channel (0 to 2) of the samples in row y. The values are only valid for runs
+    /// (SplatRun): adjacent samples with the same blur kernel.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The blur disc of a sample in a SplatRun covers at most the rows [run_dy_begin, run_dy_end), relative
-    /// to the row of the sample.
+    /// Every blur disc of samples that are blurred together (SplatRun) covers at most the rows [run_dy_begin,
+    /// run_dy_end), relative to the row of the sample.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {

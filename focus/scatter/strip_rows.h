@@ -30,7 +30,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// - `source`: window of the rows of the file
+    /// Creates an object without samples.
+    /// - `source`: window of the rows of samples in the file
     /// - `picture`: window of the image, divided into blocks of `block_px` rows
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -62,8 +63,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Items that reach many rows stay in memory. If they need more than `far_bytes`, keeps only the items
-    /// that reach even more rows. Call it after complete rows were added.
+    /// Samples whose blur reaches many rows stay in memory. If they need more than `far_bytes`, keeps only
+    /// those whose blur reaches even more rows. Call it after complete rows were added.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -113,15 +114,15 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the samples of a row that are kept in memory, because their blur reaches more than far_px_
+    /// Returns the samples of row y that are kept in memory, because their blur reaches more than far_px_
     /// rows. They have the order in which they were added.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
 
   private:
-    /// Memory limit, in bytes, for the samples that stay in memory for all strips, because their blur reaches
-    /// many rows.
+    /// Memory limit, in bytes, for samples whose blur reaches many rows. They stay in memory while the image
+    /// is computed strip by strip (groups of rows).
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {

@@ -12,8 +12,9 @@ namespace postlens {
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
     // Bytes of a pixel row in the file, apart from its compressed records:
-    // - 32 for the header of the row's chunk of records
-    // - 12 for the header of the row's chunk in the part `scanlines`, and its data
+    // - 32 for the header of the row's chunk in the part `records`
+    // - 12 for the header of the row's chunk in the part `scanlines`
+    // - ScanlineRow::byte_count for the data of this second chunk
     // - 8 for the row's entry in each of the two tables of chunk positions
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};

@@ -1,5 +1,5 @@
-// Converts one scanline of records to the bytes of a chunk of the deep OpenEXR file, and back. The scanline's
-// checksum is that of these bytes.
+// Converts one scanline of records (surface hits) to the bytes of a chunk of the deep OpenEXR file, and back.
+// Computes the checksum of these bytes.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace postlens {
 /// The bytes of a scanline before compression, in little-endian order:
 /// - y as int32
 /// - for each pixel, the number of records up to and including that pixel, as uint32
-/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, each with one
-///   value per record, pixel by pixel
+/// - the channels (docs/sample_file.md) B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x
+///   sample.y, each with one value per record, pixel by pixel
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
@@ -30,11 +30,12 @@ class ScanlineBytes {
     /// offsets[i + 1] - 1.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record, and finally their total number. Returns false if the
-    /// stored numbers of records are damaged.
+    /// Computes the index of each pixel's first record, and finally the total number of records. Returns
+    /// false if the numbers of records per pixel are damaged.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records of the row. Channels that are not stored become 0, but Record::w becomes the unit
-    /// matrix divided by the depth. Returns false if a position is damaged.
+    /// Unpacks the records of the row. Fields whose channels are not stored become 0. Only the matrix
+    /// Record::w becomes the unit matrix divided by the depth, as for surfaces seen directly. Returns false
+    /// if a position is damaged.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

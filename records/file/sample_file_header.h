@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Largest width and height of a raster in px, including overscan and corners. Up to this value, floats have
-/// a resolution of at least 1/64 px.
+/// Largest width and height of a raster in px, including overscan and the last row and column of pixel
+/// corners. Up to this value, floats have a resolution of at least 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
 /// Throws Error(invalid_input), with `file` and the name of the field, if a value is out of range. Does not

@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the part `scanlines`, in file order. Each field is a channel: z_far is the channel
-/// Z.far.
+/// The fields of a row of the file's part `scanlines`, in file order. Each row summarises one row of records.
+/// Each field is a channel: z_far is the channel Z.far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -85,7 +85,8 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // The records lie at pixel corners, so they have one more column and row than the image.
+    // Records (surface hits) also lie at the pixel corners on the right and lower borders of the image. So
+    // they have one more column and row than the image.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

@@ -11,8 +11,8 @@
 
 namespace postlens::layout {
 
-/// Kinds of parts in the OpenEXR file: the pinhole image, the records, and a summary of each row of records.
-/// The first three parts have this order.
+/// Kinds of parts in the OpenEXR file: the pinhole image, the records (surface hits), and a summary of each
+/// row of records. The file begins with one part of each kind, in this order.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
@@ -33,8 +33,8 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Returns the name of a part: "picture", "records" or "scanlines". For instant i > 0, it is "records.k<i>"
-/// or "scanlines.k<i>".
+/// Returns the name of a part of the OpenEXR file: "picture", "records" or "scanlines". For instant i > 0, it
+/// is "records.k<i>" or "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
@@ -57,16 +57,17 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// Summary of one row of records. The part `scanlines` of a sample file stores it with a checksum of its
-/// bytes. `picture_checksum` is the checksum of the same row of the pinhole image, and 0 if the image has no
-/// such row.
+/// Summary of one row of records. The part `scanlines` of a sample file stores it with a checksum of the
+/// summary's bytes. `picture_checksum` is the checksum of the same row of the pinhole image, and 0 if the
+/// image has no such row.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Reads the description of pixel row y from its bytes in the file. Empty if the checksum does not match.
+    /// Reads the summary of row y from its bytes in the file. Returns nothing if the summary's checksum does
+    /// not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 

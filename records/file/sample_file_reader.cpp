@@ -22,8 +22,8 @@ using namespace layout;
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 
-/// Largest ratio by which a zlib stream can expand. A file that is too small for its stated number of records
-/// is rejected.
+/// Largest ratio by which a zlib stream can expand. A file is rejected if, even at this ratio, it is too
+/// small for its stated number of records.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
 constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size

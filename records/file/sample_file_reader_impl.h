@@ -15,8 +15,8 @@
 namespace postlens {
 namespace layout {
 
-/// Location of a scanline of records in the file: the packed record counts, followed by the packed data. In
-/// bytes.
+/// Location of a scanline of records in the file, in bytes: first the compressed numbers of records per
+/// pixel, then the compressed records.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
@@ -84,8 +84,9 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Makes samples that hit nothing, in place of the damaged row y. They lie at the corners of the pixels
-    /// of this row. If the row above is intact, they also lie at the lower corners of its quadtree cells.
+    /// Replaces the records of row y, which are damaged, by samples that hit nothing. They lie at the corners
+    /// of the row's pixels. If the row above is intact, they also lie at corners of quadtree cells on its
+    /// lower edge.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;

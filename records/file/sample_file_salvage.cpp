@@ -82,8 +82,8 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // Records that replace damaged rows were counted when the file was opened. If their number differs now,
-    // the file has changed.
+    // A damaged row gets records of rays that hit nothing. They were counted when the file was opened. If
+    // there are more or fewer now, the file has changed.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

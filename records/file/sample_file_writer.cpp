@@ -166,7 +166,8 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
     return bytes;
 }
 
-/// Computes row y of the pinhole image. `band` must contain the records of rows y and y + 1.
+/// Computes row y of the pinhole image. `band` must contain the records of rows y and y + 1, in which the
+/// pixels' corners lie.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
     if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);
@@ -214,8 +215,8 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Image row y - 1 needs the records of rows y - 1 and y. If row y is the first of the band, the code
-    // above has already computed image row y - 1.
+    // Image row y - 1 needs the records at its pixels' corners, in rows y - 1 and y. For the first row of the
+    // band, `last_row` was used above.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);

@@ -22,8 +22,8 @@ std::map<std::uint32_t, std::string> names_of_manifest(const ExrPart& part, cons
     std::map<std::uint32_t, std::string> names;
     const auto bytes = part.raw("idManifest", "idmanifest");
     if (!bytes) return names;
-    // The attribute consists of the uncompressed size (uint64) and a zlib stream. It is decompressed here,
-    // because the OpenEXR library does not check the size.
+    // The attribute idManifest consists of the uncompressed size (uint64) and a zlib stream. It is
+    // decompressed here, because the OpenEXR library does not check the size.
     std::uint64_t size = largest_manifest_bytes + 1;
     if (bytes->size() >= sizeof size) std::memcpy(&size, bytes->data(), sizeof size);
     if (size > largest_manifest_bytes) {
@@ -118,7 +118,8 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         fail(ExitCode::invalid_input, "{}: unexpected number of parts (got {}; expected 3, and 2 for a key)",
              file, headers.parts.size());
     }
-    // Width, height and overscan are checked first, because the sizes of tables follow from them.
+    // Width, height and overscan are checked before all other fields, because the sizes of the file's tables
+    // follow from them.
     const Window display = need(part.get_window("displayWindow"), "displayWindow");
     const auto extent = [](int low, int high) {
         return low == 0 && high >= 0 && high < largest_extent_px ? high + 1 : -1;

@@ -20,8 +20,7 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that lights a moving scene. If it has keyframes (`keys`), their transform applies
-/// to `place`.
+/// A light that moves, or that lights a moving scene. Its keyframes (`keys`), if any, transform `place`.
 struct LightMotion {
     bool directional = false;  ///< if true, `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position in m, or direction
