@@ -40,7 +40,7 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every sample that the pinhole sees in pixel (x, y), sorted by y,
-/// then by x. A sample has `count` records, from index first_record on. With `top_edge_only`, calls it only
+/// then by x. `count` records form a sample, from first_record on. With `top_edge_only`, calls it only
 /// for samples on the pixel's upper edge. Throws if the pixel's upper left corner has no sample.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, bool top_edge_only, const OnSample& on_sample) {

@@ -27,8 +27,8 @@ class HighlightMotion {
     /// smooth streaks.
     static constexpr float least_radiance = 3;
 
-    /// Returns the motion of the object `id` on the raster: from the instant of the sample file to the
-    /// instant at which the fraction `u` (0 to 1) of the exposure has passed.
+    /// Returns the motion of the object `id` on the raster: from the recorded instant (of the sample file) to
+    /// the instant at which the fraction `u` (0 to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
     /// - `moves`: returns whether an object moves in the image during the exposure
     /// - `map`: returns the motion of an object on the raster

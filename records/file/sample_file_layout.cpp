@@ -85,8 +85,8 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Records (surface hits) also lie at the pixel corners on the right and lower borders of the image. So
-    // they have one more column and row than the image.
+    // Records (surface hits) also lie at the right and lower borders of the image. So they have one more
+    // column and row than the image.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }
