@@ -68,8 +68,8 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks per pixel, and of groups of up to 16 samples per block. Several program
-    /// runs can share the blocks.
+    /// Divides a pixel's samples into groups of up to 16, and the groups into blocks, which several program
+    /// runs can share. Returns the numbers of blocks per pixel and groups per block.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
@@ -169,8 +169,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // A run with --share sums whole blocks of samples, which are added up later. Without --share,
-            // each block is also summed separately, so that the result is bit-identical.
+            // With --share, a run sums whole blocks of samples, and the sums are added up later. Without
+            // --share, each block is also summed separately, so that both ways give bit-identical images.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -207,7 +207,8 @@ class Renderer {
     RayCounts counts_;
 };
 
-// Renders all samples that are still missing. Calls `pause` several times a second, while no thread renders.
+// Renders all samples that are still missing. Several times a second, all threads stop, and `pause` is
+// called, for instance to save the image.
 void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();

@@ -70,8 +70,8 @@ struct RenderResult {
     double motion_error_px = 0;  ///< greatest error, px, of the linear steps by which Embree moves meshes
 };
 
-/// Returns the number of blocks into which the samples of a pixel are divided.
-/// Each of `shares` runs that divide a render computes some of these blocks.
+/// The samples of a pixel are divided into blocks, so that `shares` program runs can each render some of the
+/// blocks. Returns the number of blocks.
 /// Throws Error(wrong_arguments) if there are more runs than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 

@@ -24,7 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Depth edges are found up to this many px outside the traced window, because a lens may see past them.
+// Depth edges are searched for up to this many px outside the traced window. Past such an edge, a lens may
+// see a hidden surface inside the window.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -73,7 +74,8 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One instant at which the scene is recorded: scene, camera, and which hidden surfaces are recorded.
+// An instant at which the scene is recorded. Holds the scene and the camera, and which hidden surfaces are
+// recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -133,7 +135,8 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Divides recorded radiance by the scene's exposure, because sample files store radiance without exposure.
+// Removes the scene's exposure from the traced radiance by division, because sample files store radiance
+// without exposure.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -152,7 +155,7 @@ class Radiance {
 };
 
 // Returns the radius, m, of the widest lens for which images will be made from the sample file.
-// Its f-number is `for_f_number`, else that of the camera, else 1.4.
+// The lens's f-number is the setting `for_f_number`, else that of the scene's camera, else 1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -193,8 +196,8 @@ std::vector<double> instants_near(const SceneMotion& motion, double at_s,
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // Inverse depths: one float per pixel, and a pyramid of their minima and maxima in squares of 1, 2 x 2, 4
-    // x 4, ... pixels. The pyramid has 4/3 squares per pixel, with two floats each.
+    // LensReach stores the inverse depth of each pixel, a float, and a pyramid of minima and maxima in
+    // squares of 1, 2 x 2, 4 x 4, ... pixels. The pyramid has 4/3 squares per pixel, with two floats each.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -351,8 +354,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods use only the records of the frame's own instant, so the overscan must
-    // cover the whole shutter interval.
+    // Some methods make the whole image from the records of the frame's own instant. So the overscan at this
+    // instant must cover the whole shutter interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

@@ -25,30 +25,32 @@ struct TraceSettings {
     /// `subdivision.levels` limits only the division of pixels with contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Used as `subdivision.levels` if the image is made by a method that traces further rays where samples
-    /// are too coarse. docs/planner.md compares the times for other values.
+    /// Used as `subdivision.levels` (depth of the quadtree of each pixel) for methods that trace further rays
+    /// where these samples are too coarse. docs/planner.md compares the times for other values.
     static constexpr int ray_levels = 1;
     /// Largest angle, degrees, by which an object may turn relative to the camera from one recorded instant
-    /// to the next. Used if `keys` is absent. With 15 degrees, two instants miss a strip of a ball's surface.
-    /// The strip is 0.9 % of the ball's radius wide (1 - cos 7.5 degrees).
+    /// to the next. Used if `keys` is absent. With 15 degrees, the nearest recorded instant is at most 7.5
+    /// degrees away. It misses a strip of a ball's surface that is 0.9 % of the radius wide (1 - cos 7.5
+    /// degrees).
     double degrees_per_key = 15;
-    /// Used as `degrees_per_key` for methods that also trace rays. They need fewer recorded instants, because
-    /// rays show the surfaces that are missing.
+    /// Used as `degrees_per_key`, the turn between recorded instants, for methods that also trace rays. Rays
+    /// show surfaces that the records lack, so fewer recorded instants suffice.
     static constexpr double ray_degrees_per_key = 30;
-    /// Target PSNR, dB, of the error that changing light causes between recorded instants. Used if `keys` is
-    /// absent. 43 dB is half the squared error of 40 dB, the default target of `auto`.
+    /// Target PSNR, dB, of the error from changing light between recorded instants. Used if their number,
+    /// `keys`, is absent. 43 dB is half the squared error of 40 dB, the default target of `auto`, so other
+    /// errors may be as large.
     double light_db = 43;
-    /// Used as `light_db` for methods that also trace rays. A target that is 12 dB lower needs half as many
-    /// recorded instants.
+    /// Used as `light_db`, the target PSNR for changing light, for methods that also trace rays. It is 12 dB
+    /// lower, so that half as many recorded instants suffice.
     static constexpr double ray_light_db = 31;
-    /// Hidden surfaces are not recorded if the lens or motion reveals only strips of up to this width, px.
+    /// A hidden surface is not recorded if the lens or motion reveals only strips of it up to this width, px.
     double narrow_strip_px = HiddenLayers::invisible_px;
-    /// Used as `narrow_strip_px` for methods that also trace rays. These methods trace rays up to 1 px beside
-    /// edges even if hidden surfaces are recorded there.
+    /// Used as `narrow_strip_px`, the width of hidden strips that are not recorded, for methods that also
+    /// trace rays. They trace rays up to 1 px beside edges anyway, so narrow records save none.
     static constexpr double ray_narrow_strip_px = 2;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// Settings of the tracer. trace_to_file sets `lens_radius_m` from `for_f_number`, else from the camera's
-    /// f-number, else from f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same value.
+    /// f-number, else from f/1.4. With `for_f_number`, it sets `bend_radius_m` to the same lens radius.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -80,21 +82,21 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or there
-    /// are so many narrow objects that not all get small cells.
+    /// Number of objects that eye rays may miss. They are narrower than the smallest quadtree cells, or the
+    /// limited number of cells does not suffice for them.
     /// Without subdivision, counts all objects narrower than 1.5 px.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
     int keys = 1;                    ///< number of evenly spaced recorded instants
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// Only if `keys` is chosen automatically: the turn, degrees, of an object or the camera during the
-    /// shutter, and the reason for `keys`.
+    /// Only if `keys` is chosen automatically: the largest turn, degrees, of an object or the camera during
+    /// the shutter, and the reason for this number of recorded instants.
     std::optional<double> keys_sweep_degrees;
     std::string keys_reason;
 };
 
 /// Throws Error(out_of_memory), which states the needed size, if a trace certainly needs more memory than
-/// available. trace_to_file repeats this check once it has found the overscan.
+/// available. trace_to_file repeats this check when it knows the overscan, whose records need memory too.
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
@@ -102,15 +104,16 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// The scene's exposure is stored separately from the radiance. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header of the sample file of a trace that records only the frame's own instant.
+/// Returns the header of a sample file whose records show only one instant, that of the frame, instead of
+/// several instants of the shutter interval.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 
 /// Checks settings of `trace` and `render`. Throws Error(wrong_arguments) if one is out of range.
 void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s);
 
-/// Checks the shutter of `trace` or `render`. `option` is the name of the command-line option.
-/// Throws Error(wrong_arguments).
+/// Throws Error(wrong_arguments) if the shutter of `trace` or `render` is not finite or closes before it
+/// opens. `option` is the name of the command-line option.
 void check_shutter(const char* option, const TimeSpan& shutter);
 
 /// Returns the camera with this name, or the first camera if the name is empty.

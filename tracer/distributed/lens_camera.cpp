@@ -68,8 +68,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The ray goes from the lens point to the in-focus point that the pinhole sees at this raster
-        // position.
+        // The ray goes from lens point (qx, qy) to the in-focus point that the pinhole sees at (px, py),
+        // which is relative to the image centre.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -262,8 +262,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // The scale, in px per metre, would be infinite at depth 0. So the depth counts as at least 2 % of the
-    // point's distance from the camera.
+    // The scale gain_px / depth, in px per metre, would be infinite at depth 0. So the depth counts as at
+    // least 2 % of the point's distance from the camera.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -43,7 +43,8 @@ class LensCamera {
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds one ray per sample, through the sample's lens point, to the batch.
+    /// Adds one ray per sample to the batch, through the sample's own lens point. Appends its transmittance
+    /// to `weights` if `loses_rays`.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
     /// Adds 16 rays with unit directions to the batch.
@@ -61,8 +62,8 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole camera sees a point on the lens ray for image
-    /// position (x, y).
+    /// Returns the raster position, px, at which the pinhole camera sees a point on a lens ray. The lens ray
+    /// is the one of raster position (x, y), px.
     /// - `unit`: lens point where the ray starts, in lens radii
     /// - `t`: distance of the point along the ray, m
     ///

@@ -12,7 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Finite placeholder, because the f-number of a real lens is computed later, from the lens prescription.
+/// Stands for the f-number of a lens with a prescription, which is computed later. Finite, because an
+/// infinite f-number means a pinhole.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

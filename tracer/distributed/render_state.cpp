@@ -27,11 +27,11 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the OpenEXR attribute that describes, as JSON, which sums of samples the file holds per pixel.
+/// Name of the OpenEXR attribute that describes, as JSON, which sums of radiance the file holds per pixel.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words that the file stores per pixel: 3 for the image and, for each half of
-// the samples, 1 for their number and 6 (three doubles) for each sum.
+// Returns the number of 32-bit words per pixel in the file: 3 for the image and, for each half of the
+// samples, 1 for their number and 6 (three doubles) for the radiance sum of each block of samples.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -72,8 +72,8 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with the RGB sums of radiance of a pixel, in the order of the file's channels. Each block of
-/// samples has its own sum, and the sum of the unfinished block comes last.
+/// Calls `visit` with a pixel's RGB sums of radiance, in the order of the file's channels. There is one sum
+/// for each complete block of samples, and a last one for the unfinished block.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();
@@ -146,8 +146,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory per pixel: sums (24 bytes each), counts (4 bytes), a copy in the file's layout, two float
-    // images.
+    // Memory per pixel: radiance sums (24 bytes each), numbers of samples (4 bytes each), a copy in the
+    // file's layout, two float images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

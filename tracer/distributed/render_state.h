@@ -28,7 +28,8 @@ struct RenderState {
     /// Sums of radiance times exposure, 3 doubles (RGB) per pixel, row-major. If the samples form two
     /// independent halves, each half has its own array; otherwise the second array is empty.
     std::array<std::vector<double>, 2> sums;
-    /// Like `sums`, but only for the block of samples that is not yet complete.
+    /// Sums of radiance times exposure over the samples that do not yet fill a block. Their layout is that of
+    /// `sums`.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 

@@ -18,9 +18,8 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // Rays choose directions in glossy lobes and points of area lights at random. So they see glossy
-        // objects, and objects that an area light illuminates, with noise. The sample file stores the mean
-        // radiance instead.
+        // Rays choose directions in glossy lobes and points of area lights at random, so the radiance that
+        // they return for such surfaces is noisy. The sample file stores the mean radiance instead.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }
@@ -88,7 +87,8 @@ void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     for (std::size_t first = 0; first < lines.size(); first += group_size) {
         const std::size_t count = std::min(group_size, lines.size() - first);
         for (std::size_t i = 0; i < group_size; ++i) {
-            // Repeats the last ray to fill the group of 16. The copies are removed below.
+            // The camera makes 16 rays at once, so the last one may be repeated. The copies are removed after
+            // this loop.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

@@ -1,5 +1,5 @@
-// Traces rays through given lens points, where an image made from recorded samples would be wrong.
-// Surfaces are shaded as in `render`.
+// Traces rays through given lens points. These rays replace image samples that recorded samples would make
+// wrong. Surfaces are shaded as in `render`.
 #pragma once
 
 #include <mutex>
@@ -13,8 +13,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// - `setup`: must outlive this object, and must not have a lens prescription
-    /// - `lines`: largest number of rays per pixel
+    /// Traces at most `lines` rays per pixel through the scene of `setup`. `setup` must outlive this object,
+    /// and must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -24,8 +24,8 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Drawing this number of flat pieces of reflected surfaces takes as long as tracing one ray. Measured on
-    /// six scenes.
+    /// Drawing 32 flat pieces of reflected surfaces takes as long as tracing one ray, measured on six scenes.
+    /// If a pixel needs more, rays are traced.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

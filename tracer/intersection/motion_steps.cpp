@@ -27,9 +27,9 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the error, px, of the transform `taken` of a box, compared with the exact transform `truth`. The
-// distance between the two images of a point is a convex function of the point. So it is largest at a corner
-// of the box.
+// Returns the largest error, px, that the approximate transform `taken` causes in a box, compared with the
+// exact transform `truth`. Only corners are tested: the error is a convex function of the point, so it is
+// largest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -80,8 +80,8 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // Embree interpolates the bounds of a moving shape linearly between time steps. `excess` is how far the
-    // shape extends beyond these bounds at tested instants. `bend`, a second difference of the exact bounds,
-    // limits how much farther it extends between tested instants.
+    // shape extends beyond these bounds at tested instants. Between these instants it may extend farther,
+    // limited by `bend`, the second difference of the exact bounds.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

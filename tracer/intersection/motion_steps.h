@@ -24,14 +24,15 @@ inline constexpr int most_motion_steps = 128;
 /// Between these instants, Embree interpolates each entry of the matrices linearly.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    /// Largest position error, px, of a corner of the moving object's bounding box.
-    /// It may exceed the tolerance, because the number of motion steps is limited.
+    /// Largest error, px, that replacing the motion by linear steps causes at a corner of the object's
+    /// bounding box.
+    /// It may exceed the tolerance, because the number of steps is limited.
     double error_px = 0;
 };
 /// Approximates the motion of a mesh by the fewest linear steps that keep its position error within the
 /// tolerance. The number of steps is a power of two, at most most_motion_steps.
-/// The error is measured at the corners of `box`, the bounding box of the mesh before the matrix `base` is
-/// applied.
+/// The matrix `base` moves the mesh first, and `path` then. The error is measured at the corners of `box`,
+/// the mesh's bounding box before both.
 /// No keyframe of the path may lie between begin_s and end_s.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);

@@ -87,8 +87,8 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Embree 3.13 may report a mesh instance outside its keyframe interval if a packet of shadow rays spans
-// several intervals.
+// A moving mesh has one instance per keyframe interval. Embree 3.13 may report the wrong instance if the rays
+// of a packet span several intervals. Rejects such hits.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -101,8 +101,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Traces the shadow rays of a packet one at a time.
-// Embree then reports every crossing of a surface only once, so no transmittance is applied twice.
+// Traces the shadow rays of a packet one at a time. Traced together, Embree may report a crossing of a
+// surface twice, and the transmittance would be applied twice.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;
@@ -133,7 +133,8 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // The capacity of the arrays is a multiple of 16, so writing 16 entries never exceeds it.
+        // All 16 results are copied, even if fewer rays are left. The arrays in `rays` have room, because
+        // their capacity is a multiple of 16.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);

@@ -192,7 +192,8 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // 32 time steps give tight bounding boxes. More would only enlarge Embree's hierarchy of boxes.
+    // Largest number of time steps of a moving object. 32 give tight bounding boxes, and more would only
+    // enlarge Embree's hierarchy of boxes.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {

@@ -23,8 +23,8 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space, from which exact hit points are computed.
-// `gradient1` and `gradient2` are the gradients of two barycentric coordinates.
+// A triangle in world space, for computing exact hit points. `gradient1` and `gradient2` are the gradients of
+// two barycentric coordinates with respect to position.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
@@ -41,7 +41,8 @@ struct InstanceGeometry {
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the object-to-world transform at a ray's time, interpolated exactly as Embree does.
+    // Returns the mesh's object-to-world transform at a ray's time, interpolated exactly as in Embree, so
+    // that it fits Embree's hits.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 

@@ -54,7 +54,8 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // The ray starts on this sphere, so the crossing nearest to t = 0 is its origin and not a hit.
+            // A ray that starts on this sphere crosses it at its origin, i.e. at the crossing nearest to t =
+            // 0. Only the other crossing is a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();

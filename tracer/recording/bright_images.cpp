@@ -16,8 +16,8 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// A beam made of four reflected or refracted rays, those of the corners of a quadtree cell.
-/// It shows which bright objects may be visible in the cell.
+/// The volume between four reflected or refracted rays, those of the corners of a quadtree cell.
+/// Bright objects in this volume may be visible in the cell.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -80,8 +80,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Each image of a bright object needs many quadtree cells. To limit their number, only as many bright
-    // objects are kept as are affordable. Each is assumed to appear twice in every mirror or glass object.
+    // Mirrors and glass show images of bright objects, and each image needs many quadtree cells. So the
+    // number of bright objects is limited, assuming that each appears twice in every mirror or glass object.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -129,13 +129,15 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // Tests whether the sphere's image overlaps the cell. Exact limits would be 0.5 cell widths plus
-        // `reach`. The limits are wider, because the position `image` is only a linear approximation.
+        // Tests whether the image of the sphere `s` overlaps the quadtree cell. The image's centre is `image`
+        // and its half-widths are `reach`; the cell's half-width is 0.5. All are enlarged, because `image` is
+        // only a linear approximation.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // Computes half the smaller width of the sphere's elliptical image, in cell widths. It is the smaller
-        // singular value of radius * cell_by, where `cell_by` converts metres at the sphere to cell widths.
+        // The mirror or glass shows the sphere as an ellipse. `half`, half the ellipse's smaller width in
+        // cell widths, is the smaller singular value of radius * cell_by. The matrix `cell_by` converts
+        // metres at the sphere to cell widths.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -1,5 +1,5 @@
-// Finds small bright objects seen in mirrors and glass, which rays at pixel corners may miss.
-// Quadtree cells that may show one are subdivided.
+// Finds quadtree cells in which mirrors or glass may show a small bright object, so that these cells are
+// subdivided. Rays at pixel corners may miss such an object.
 #pragma once
 
 #include <array>
@@ -38,9 +38,10 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns how small quadtree cells must be to show all images of bright objects in mirrors and glass.
-    /// - `at`: rays from the four corners of a cell after the same sequence of bounces, row by row
-    /// - `size_px`: width of this cell, px
+    /// Returns how small the quadtree cells inside a given cell must be to show all images of bright objects
+    /// in mirrors and glass.
+    /// - `at`: rays from the four corners of the given cell, row by row, all after the same bounces
+    /// - `size_px`: width of the given cell, px
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

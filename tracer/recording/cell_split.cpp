@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-// Sets a flag of a recorded surface hit. Atomic, because cells with a common corner may set it at once.
+// Sets a flag of a recorded surface hit. Atomic, because quadtree cells with a common corner share the hit
+// and may set the flag at once.
 void set_mark(Record& r, std::uint8_t mark) {
     const std::atomic_ref<std::uint8_t> marks(r.mark);
     if ((marks.load(std::memory_order_relaxed) & mark) == 0) marks.fetch_or(mark, std::memory_order_relaxed);
@@ -51,8 +52,8 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c) const {
-    // If a larger cell contained an outline, splits() would have divided it. So only cells of the smallest
-    // size are tested for outlines.
+    // splits() divides every quadtree cell that an outline of a mesh crosses, up to `edge_levels`. So only
+    // cells at this limit are tested for outlines here.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -157,9 +158,9 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
         texels[k] = texture->colour_at(s[i].chunk->sources[node[k]].place);
     }
     for (int channel = 0; channel < 3; ++channel) {
-        // Between the samples, radiance is estimated as times * colour + plus, where `colour` is that of the
-        // texture. `times` is the largest ratio of radiance to colour at the samples, so that contrast is not
-        // underestimated.
+        // Between the samples at the cell's corners, radiance is estimated as times * colour + plus, where
+        // `colour` is that of the texture. `times` is the largest ratio of radiance to colour at the samples,
+        // so that contrast is not underestimated.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

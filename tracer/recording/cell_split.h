@@ -32,8 +32,8 @@ class CellSplit {
     /// Returns true if the eye ray through the cell's centre sees something else than the eye rays through
     /// the cell's corners. `centre` is the index of the sample at the centre.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// Flags the records at the corners of an undivided cell if the image may have details between the
-    /// corners:
+    /// Flags the records (surface hits) at the corners of an undivided quadtree cell if the image may have
+    /// details between the corners:
     /// - `fine_texture`: the texture has contrast there, but the limit `colour_levels` forbids further
     ///   division.
     /// - `gap`: the cell shows several parts of one object or the outline of another part, but the limit
@@ -60,27 +60,30 @@ class CellSplit {
     /// The contrast is (hi - lo) / (hi + lo + 0.05). The constant 0.05 makes it insensitive to small
     /// differences between dark colours.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// Returns true if a texture's or shadow's edge lies between cell corners of similar colours.
+    /// Returns true if the edge of a texture or shadow lies between the corners of a quadtree cell although
+    /// their colours are similar.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s) const;
     static void mark_parts(const std::array<Seen, 4>& s);
-    /// True if a limit of `levels` levels still allows the cell to be divided: it is wider than 2^-levels px.
+    /// Returns true if the quadtree cell is wider than 2^-levels px, so that a limit of `levels` subdivisions
+    /// allows its division.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th surface point of the first sample's shading tree, and its counterparts in all other
-    /// trees: points of the same object after the same bounces. Returns false if a tree has none.
+    /// Finds the n-th surface point of the first sample's shading tree, and its counterparts in all other
+    /// trees: points of the same object after the same bounces. Returns false if a tree has no counterpart.
     [[nodiscard]] static bool nodes_like(const Seen* s, int count, std::uint32_t n, NodeOfEach& out);
     /// Returns the index of the surface point in the shading tree `in` that is reached by the bounces of
-    /// `path`. Tests the index `guess` first, because the trees at the corners of a cell mostly have the same
-    /// structure.
+    /// `path`. Tests the index `guess` first. It is that of the same point in another tree, and the trees at
+    /// a cell's corners are mostly alike.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// Returns true if the texture varies so much between the samples that the cell must be divided.
+    /// Returns true if the texture varies so much between the samples at the corners of a quadtree cell that
+    /// the cell must be divided.
     /// Considers all colours in the bounding box of the samples' texture coordinates.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(std::uint32_t sample) const {
@@ -92,13 +95,14 @@ class CellSplit {
                 visible_layer(c.corner[3])};
     }
     /// The records of a sample form one shading tree for each visible or hidden surface. Sets `out` to the
-    /// tree that begins at record `at`, and then `at` to the index after the tree's last record.
+    /// tree whose first record is `at`. Then advances `at` past the tree's last record.
     void take_layer(const CornerSample& s, std::uint32_t& at, Seen& out) const;
-    /// Returns true if the cell may contain a narrow object that the eye rays at all its corners miss.
-    /// If `hidden` is false, ignores objects behind all surfaces that are visible at the corners.
+    /// Returns true if the quadtree cell `c` may contain a narrow object that the eye rays at all corners of
+    /// the cell miss.
+    /// If `hidden` is false, ignores objects behind all surfaces that are visible at the cell's corners.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// Returns true if an outline crosses the cell although all corners show the same part of an object. The
-    /// outline belongs to a part in front of it, of the same object or of another one.
+    /// Returns true if all corners of the quadtree cell `c` show the same part of an object, but the outline
+    /// of a nearer part crosses the cell. The nearer part may belong to the same object.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// Returns true if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s` holds the shading trees at the cell's corners.

@@ -30,7 +30,8 @@ struct CornerGrid {
     [[nodiscard]] static CornerKey key(std::uint32_t x, std::uint32_t y) {
         return (static_cast<CornerKey>(y) << 32) | x;
     }
-    /// Returns the position of the upper edge of pixel row `y`, in units of the smallest cell.
+    /// Returns the distance from the window's upper edge to that of pixel row `y`, in widths of the smallest
+    /// quadtree cell.
     [[nodiscard]] std::uint32_t row(int y) const {
         return static_cast<std::uint32_t>(y - window.y_begin) * unit;
     }
@@ -60,13 +61,13 @@ struct CornerCell {
     std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
     std::array<std::uint32_t, 4>
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
-    /// Sample indices: upper middle, left middle, centre, right middle, lower middle. Unset if the cell is
-    /// undivided.
+    /// Indices of the samples at the cell's upper middle, left middle, centre, right middle and lower middle.
+    /// Unset if the cell is undivided.
     std::array<std::uint32_t, 5> between;
 };
 
-/// Returns the recorded radiance of a surface hit without the part that has sampling noise.
-/// Quadtree cells are divided where this radiance differs. Noise would divide every cell.
+/// Quadtree cells are divided if the radiance at their corners differs, and noise would divide every cell. So
+/// this function returns a hit's radiance without the part that has sampling noise.
 [[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
     const Record& r = chunk.records[record];
     const glm::vec3 all(r.r, r.g, r.b);

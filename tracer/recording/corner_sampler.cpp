@@ -52,13 +52,15 @@ class BandSampler {
         records_.sort(grid_, std::span(samples_).first(sample_count_), y_begin, end_of_records(y_end));
     }
 
-    // Writes the records of rows y_begin to y_end - 1 of the band that was traced last.
+    // Writes the records of rows y_begin to y_end - 1 to `out`. They must be rows of the band of pixel rows
+    // traced last.
     void emit(int y_begin, int y_end, RecordBand& out) {
         records_.emit(grid_, samples_, chunks_, y_begin, end_of_records(y_end), out);
     }
 
   private:
-    // The last row of pixels also has samples on its lower edge, which are recorded in a row of their own.
+    // A row of records includes its upper edge. So the samples on the lower edge of the last pixel row are in
+    // a row of their own.
     [[nodiscard]] int end_of_records(int y_end) const {
         return y_end == grid_.window.y_end ? y_end + 1 : y_end;
     }
@@ -70,8 +72,8 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of sizes[i] points in parallel: `fill` sets the positions, `traced` receives the
-    // samples. All functions must be thread-safe.
+    // Traces eye rays in parallel batches of sizes[i] rays. `fill` sets the raster positions of a batch, and
+    // `traced` receives each sample. All functions must be thread-safe.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}, bool for_comparison = false) {
@@ -188,7 +190,8 @@ class BandSampler {
         });
     }
 
-    // Reuses sample i on the band's upper edge, which was traced with the band of pixel rows above.
+    // Reuses sample i on the upper edge of the current band of pixel rows, because it was traced with the
+    // band above.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -200,8 +203,8 @@ class BandSampler {
     }
 
     using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
-    // A raster point through which an eye ray must still be traced. `sample` points to the element of
-    // CornerCell::between that receives the index of the new sample.
+    // A raster point through which an eye ray must still be traced. The index of the new sample is written to
+    // `*sample`, an element of CornerCell::between.
     struct Missing {
         CornerKey key;
         std::uint32_t* sample;
@@ -227,8 +230,8 @@ class BandSampler {
                 {}};
     }
 
-    // Pixels left and right of a divided pixel are also sampled at the centre to decide their division,
-    // because small objects may lie between pixel corners.
+    // Decides which pixels are divided. Small objects may lie between pixel corners, so the pixels left and
+    // right of a divided pixel are also sampled at their centre.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         const int columns = grid_.columns - 1;
@@ -266,7 +269,8 @@ class BandSampler {
         return cells;
     }
 
-    // Adds the cells whose centre looks different from their corners to `divided`.
+    // Traces the centres of quadtree cells. Adds those cells to `divided` whose centre looks different from
+    // their corners.
     void compare_centres(const CellRows& cells, CellRows& divided) {
         std::vector<CornerKey> centres;
         std::vector<std::size_t> first_of_row;
@@ -291,11 +295,11 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre of every cell and the midpoints of the cell's sides. A midpoint that several
+    // Traces the centre of every quadtree cell and the midpoints of the cell's sides. A midpoint that several
     // cells share is traced once.
     void trace_missing(CellRows& cells, int y_begin, int y_end) {
-        // The points to trace are listed by pixel row, with one more list for the lower edge of the last row.
-        // A point on the edge between two rows is in the list of the lower row.
+        // Lists of points to trace, one per pixel row. `below` holds points on a row's upper edge that were
+        // found in the row above. So both have one more list, for the last row's lower edge.
         std::vector<std::vector<Missing>> inside(cells.size() + 1), below(cells.size() + 1);
         std::vector<std::size_t> first(cells.size() + 2, 0);  // per row, the index of its first point
         parallel_for(cells.size(), [&](std::size_t row) {
@@ -397,8 +401,8 @@ class BandSampler {
             samples_[kept++] = s;
         }
         sample_count_ = kept;
-        // The next band reuses the buffers of records, because releasing and allocating their memory took
-        // longer than tracing.
+        // The next band of pixel rows reuses `chunks_`, the buffers of records, because releasing and
+        // allocating them took longer than tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }

@@ -13,8 +13,8 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth of subdivision at the edges of objects, at most `levels`.
-    /// Cells near objects narrower than 1.5 px may be deeper.
+    /// Greatest number of times that a pixel is subdivided at the edges of objects, at most `levels`.
+    /// Quadtree cells near objects narrower than 1.5 px may be smaller.
     int edge_levels = 8;
     /// A cell is divided if a colour channel's contrast between its corners exceeds this value.
     /// The contrast is (max - min) / (max + min + 0.05).

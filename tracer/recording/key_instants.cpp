@@ -25,8 +25,8 @@ using glm::dvec3;
 // A rotation must be less than 180 degrees per step.
 constexpr int steps = 512;
 
-// If keyframes change the scale of an object, at least one recorded instant must show the object large: at
-// this fraction of its largest scale, or more.
+// If keyframes change an object's scale, the scene must be recorded at an instant when the object is large.
+// Its scale must then be at least this fraction of its largest scale.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -113,8 +113,7 @@ bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec
            is_between(camera.down, camera.height);
 }
 
-// Returns whether at least one corner of a moving box is in front of the camera. The motion `pose` is applied
-// to the corners first.
+// Returns whether at least one corner of `box`, after the motion `pose`, is in front of the camera.
 bool is_ahead(const CameraModel& camera, const MotionPath::Pose& pose, const Bounds& box) {
     for (int k = 0; k < 8; ++k) {
         const dvec3 corner((k & 1) != 0 ? box.max.x : box.min.x, (k & 2) != 0 ? box.max.y : box.min.y,
@@ -209,8 +208,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
                        glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             });
         }
-        // From inside an object, the camera sees other surfaces than from outside. Both
-        // cases need a recorded instant.
+        // For part of the time, the camera is inside the object and sees other surfaces than outside. Both
+        // times need a recorded instant.
         if (std::find(surrounds.begin(), surrounds.end(), true) == surrounds.end()) continue;
         add_spans([&](std::size_t i) { return surrounds[i]; });
         add_spans([&](std::size_t i) {
@@ -219,8 +218,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns true if one of `keys` recorded instants, evenly spaced over the shutter interval, lies within
-    // the time span `visit`.
+    // `visit` is a time span that must be recorded. Returns true if it contains one of `keys` recorded
+    // instants, evenly spaced over the shutter interval.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
@@ -263,7 +262,7 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Tolerance for the rounding error of the angle, which is a sum over many steps.
+    // Tolerance for the rounding error of `sweep_degrees`, which is a sum over many steps.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

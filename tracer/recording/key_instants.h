@@ -20,8 +20,8 @@ namespace postlens {
 /// Returns the total angle, degrees, by which the camera's optical axis turns. 0 if it is orthographic.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. It is the largest
-/// pan allowed between recorded instants.
+/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. It is the largest pan
+/// allowed between recorded instants, so that their frames overlap.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -37,9 +37,9 @@ struct KeyCount {
     std::string reason;        ///< such as "something turns by 60 degrees"
 };
 
-/// Returns the least number of evenly spaced instants at which every object is recorded at least once while
-/// it is in view. The result is from `at_least` to 64. Ignores time spans in view that even 64 instants would
-/// miss.
+/// Returns the least number of evenly spaced instants, from `at_least` to 64, at which every object is
+/// recorded at least once while it is in view. Ignores an object's time in view if it is too short even for
+/// 64 instants.
 /// - `recorded_s`: instant that is recorded anyway
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
@@ -47,7 +47,7 @@ struct KeyCount {
 /// Returns the number of keys (recorded instants) that the scene needs. Keys are needed for:
 /// - turning objects: one key per `degrees_per_key`
 /// - a panning camera
-/// - objects that are in view, large or around the camera only for a short time
+/// - objects that are in view, or large, or around the camera, but only for a short time
 /// - changing light
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,

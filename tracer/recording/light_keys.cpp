@@ -21,11 +21,12 @@ using glm::dvec3;
 // Number of equal steps of the shutter interval. The light on surfaces is measured at the ends of the steps.
 constexpr int light_steps = 64;
 
-// Least distance, in time steps, between two recorded instants (keys). A distance of one step would give 65
-// keys, but a file has at most 64 (SampleHeader::most_keys).
+// Least distance between two recorded instants (keys), in 64ths of the shutter interval. A distance of 1
+// would give 65 keys, but a file has at most 64 (SampleHeader::most_keys).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of rays along the longer side of the image. They find the surface points at which light is measured.
+// Number of rays along the longer side of the image. The change of light is measured at the surface points
+// that these rays hit.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -34,7 +35,8 @@ struct Point {
     dvec3 rest{0};
 };
 
-/// Radiance of one surface point at each measured instant. Empty while the camera does not see the point.
+/// Radiance of one surface point at each measured instant. An element is empty if the camera does not see the
+/// point at this instant.
 using History = std::vector<std::optional<dvec3>>;
 
 class LightChange {
@@ -55,7 +57,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR, dB, if the tested instants 0, between, 2 * between and so on are recorded.
+    /// Returns the predicted PSNR, dB, of images if only some of the tested instants are recorded: 0,
+    /// between, 2 * between and so on.
     /// The frame's own instant is always recorded. If `between` is 0, it is the only one.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
@@ -175,8 +178,8 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // Relative tolerance when the distance of a ray's hit is compared with that of the point. It
-                // is needed because rays are traced in single precision.
+                // Eye rays that hit the point's object at the point's distance see the point. This relative
+                // tolerance of the distance is needed because rays are traced in single precision.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -216,8 +219,8 @@ LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverr
                           {std::min(shutter.open_s, recorded_s), std::max(shutter.close_s, recorded_s)}))
         return {1, infinite};
     const LightChange change(scene, camera, overrides, recorded_s, shutter, tracing);
-    // Halves the number of recorded instants as long as the PSNR reaches the target. It does not begin with
-    // few instants, because their errors may cancel by chance.
+    // Starts with the most recorded instants, and halves their number as long as the PSNR reaches the target.
+    // A start with few instants could end too early, because errors may cancel by chance.
     LightKeys out{most_light_keys, change.psnr_db(fewest_steps)};
     for (int between = 2 * fewest_steps; out.keys > 1; between *= 2) {
         const bool ends = between > light_steps;

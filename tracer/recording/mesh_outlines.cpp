@@ -160,8 +160,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // A mesh edge counts only if it is in front of the visible surface. The tolerance excludes edges in
-        // the plane of this surface, which rounding errors may move to the front.
+        // Mesh edges are outlines here only if they lie in front of the visible surface. Rounding errors may
+        // move edges in the plane of this surface to the front; the tolerance excludes them.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

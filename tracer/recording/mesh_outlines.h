@@ -1,5 +1,5 @@
-// Finds the outlines of meshes in the image. Where one crosses a quadtree cell, a part may lie
-// between the cell's corners, such as the tip of a leaf.
+// Finds the outlines of meshes in the image. If an outline crosses a quadtree cell, rays through the cell's
+// corners may miss a part of the mesh, such as the tip of a leaf.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@ namespace postlens {
 /// a triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Largest average number of outline edges per pixel. If there are more, the farthest are omitted.
+    /// Largest average number of mesh edges per pixel that are kept as outlines. If there are more, those
+    /// farthest from the camera are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
@@ -33,8 +34,8 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns true if the outline of another part crosses a square of the image in which the part `shown` is
-    /// visible. The outline must be nearer to the camera than `shown`.
+    /// Tests a square of the image in which the part `shown` of an object is visible. Returns true if the
+    /// outline of another, nearer part crosses the square.
     /// The square lies within one pixel. (x, y) is its upper left corner, and `size` its width, px.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 

@@ -12,8 +12,8 @@ namespace {
 constexpr int step_px = 8;
 constexpr int largest_px = 4096;
 
-// Returns the radius, px, of the largest circle of confusion of the surfaces that one eye ray hits, directly
-// or after reflection and refraction. Ignores hidden surfaces.
+// Returns the radius, px, of the largest circle of confusion of the surfaces that the pinhole sees through
+// one raster point, directly or after reflection and refraction.
 double widest_radius_px(const FocusGeometry& lens, std::span<const Record> records) {
     double widest = 0;
     for (const Record& r : records) {
@@ -59,8 +59,8 @@ bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const g
 int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                   const std::optional<FocusGeometry>& lens, const FilmMotion* motion) {
     const int farthest = std::min(largest_px, std::max(camera.width, camera.height) / 2);
-    // Tested pixel positions, every `step_px`. They include the image's border, because a surface may end
-    // just beyond it.
+    // Positions, px, of the traced eye rays, every `step_px`. They include the image's border, because a
+    // surface seen there may end just beyond it.
     const auto positions = [farthest](int size) {
         std::vector<int> out;
         for (int p = -(farthest / step_px) * step_px; p < size; p += step_px) out.push_back(p);

@@ -10,9 +10,10 @@
 
 namespace postlens {
 
-/// Returns how many pixels around the frame must be traced, found by a coarse trace with one sample per 8 px.
-/// They include every sample whose light the lens or `motion` (may be null) brings into the frame.
-/// The number is at most half of the frame's longer side, and at most 4096.
+/// Returns the overscan, i.e. how many pixels around the frame must be traced. It contains all samples whose
+/// light the lens or `motion` (may be null) brings into the frame.
+/// It is found by a coarse trace with one sample per 8 px, and is at most half of the frame's longer side and
+/// 4096.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

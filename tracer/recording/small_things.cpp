@@ -18,10 +18,11 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Number of pieces into which a long narrow object is divided. Each piece has one width and depth.
+// Number of pieces, each with one width and depth, into which a long narrow object is divided. Its width and
+// depth may vary along its length.
 constexpr int pieces = 16;
-// Each piece has one constant width. So a piece of a cone is halved, up to this number of times, if one end
-// is more than twice as wide as the other end.
+// Each piece of a narrow object has one width. A piece of a cone is halved, up to this number of times, if
+// one of its ends is more than twice as wide as the other.
 constexpr int most_halves = 16;
 // Width of the smallest quadtree cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -30,8 +31,8 @@ constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // For cones: the widths at the two ends, as factors of half[1] and half[2]. ends.x belongs to the end
-    // centre - half[0], and ends.y to centre + half[0].
+    // A cone has different widths at the ends of its axis. The factors of half[1] and half[2] are ends.x at
+    // centre - half[0], and ends.y at centre + half[0].
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -328,12 +329,13 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // A compact bright object needs small quadtree cells, so that its area on the raster is accurate. Along a
-    // long object (from != to), errors of single cells average out, so cells of 1 px suffice.
+    // The outline of a compact bright object needs small quadtree cells, so that the object's area on the
+    // raster is accurate. If the object is long (from != to), the errors of its many cells average out, so 1
+    // px suffices.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits memory. Each piece of a narrow object needs at least three quadtree cells, so this many pieces
-    // need more cells than are allowed.
+    // Limits memory. Each piece of a narrow object needs at least three quadtree cells. So if there are half
+    // as many pieces as allowed cells, not all can be kept.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
@@ -416,9 +418,9 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // The cell extends at most 0.7071 * size from its centre (0.7072 allows for rounding), and the object
-        // r.reach from its axis. If the axis is farther from the cell's centre than the sum, cell and object
-        // do not overlap.
+        // A narrow object extends at most r.reach from its axis, and a quadtree cell at most 0.7071 * size
+        // from its centre (0.7072 allows for rounding). If axis and centre are farther apart than both
+        // together, object and cell do not overlap.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

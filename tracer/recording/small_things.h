@@ -27,8 +27,9 @@ class SmallThings {
     /// pass through the corners of cells.
     /// At this size, at least one corner always lies on the object, so that a ray hits the object.
     static constexpr double find_share = 0.5;
-    /// Largest size of a quadtree cell along a compact bright object, as a fraction of the object's width.
-    /// The area of a disc, and so the brightness of its blur, then has an error of 1.2 % (Kendall 1948).
+    /// Largest size of the quadtree cells at the outline of a compact bright object, as a fraction of the
+    /// object's width. With this size, the area of a disc, and so the brightness of its blur, has an error of
+    /// 1.2 % (Kendall 1948).
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
@@ -47,23 +48,25 @@ class SmallThings {
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes, because an outline may pass between all corners of a quadtree cell.
-    /// Needs up to 160 bytes per pixel. The arguments must be those of the constructor.
+    /// Finds the outlines of meshes, because rays through the corners of a quadtree cell may miss an outline
+    /// inside the cell.
+    /// Needs up to 160 bytes of memory per pixel. Takes the same arguments as the constructor.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
-    /// Returns how many times a pixel must be subdivided to find all narrow objects, at most `most_levels`.
+    /// Returns the depth of subdivision of a pixel that finds all narrow objects, at most `most_levels`.
     [[nodiscard]] int levels() const { return levels_; }
     /// Returns the approximate number of cells that all narrow objects need.
     [[nodiscard]] double cells() const;
     /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Returns the number of narrow objects that are omitted, wholly or in part.
-    /// They are narrower than the smallest cells, or there are too many.
+    /// Returns the number of narrow objects that are omitted, wholly or in part, because they are narrower
+    /// than the smallest quadtree cells or because there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns how small the quadtree cells must be to find every narrow object in a square of the image.
+    /// Returns how small the quadtree cells must be to find every object narrower than 1.5 px in a square of
+    /// the image.
     /// (x, y) is the square's upper left corner, and `size` its width, px.
     /// Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;

@@ -29,7 +29,8 @@ RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const Sa
         absent = stand_in_row(nullptr, window.x_begin, x_end, y);
         take(absent);
     }
-    // Also traces the row of pixels above, because its subdivided pixels add samples to the first row.
+    // Also traces the row of pixels above. Samples on the lower edges of its subdivided pixels belong to the
+    // first row.
     const SampledWindow traced{window.x_begin, window.x_end, std::max(window.y_begin, rows.begin - 1),
                                std::min(window.y_end, rows.end)};
     const RayCounts rays = sample_corners(

@@ -18,8 +18,8 @@ struct RowRange {
 /// are more runs than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Like sample_corners, but traces only the rows of one of several program runs (`share`). All other rows get
-/// records of rays that hit nothing.
+/// Like sample_corners, but for one of several program runs. It traces only its own pixel rows (`share`); all
+/// other rows get records of rays that hit nothing.
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

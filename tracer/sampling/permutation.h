@@ -22,8 +22,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // step() uses only the lowest `bits` bits of the offset in round r. So the highest 4 bits of the
-            // offset can choose the shift of this round.
+            // step() uses only the lowest `bits` bits of offset_[r] in mixing round r. So the highest 4 bits
+            // can also choose the bit shift of this round.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -36,8 +36,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a larger
-    /// range, whose size is a power of two. It is repeated until the value is less than n (cycle walking).
+    /// Replaces each of the `lanes` integers x, in [0, n), by its permuted value. step() permutes a range [0,
+    /// 2^k) that contains [0, n), so it is repeated until the value is less than n (cycle walking).
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -61,8 +61,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Six mixing rounds make all permutations of 2 to 5 elements equally frequent, within 4 %.
-    /// With four rounds, their frequencies differ by tens of percent.
+    /// Number of times that an index is mixed. Six rounds make all permutations of 2 to 5 elements equally
+    /// frequent, within 4 %. With four rounds, their frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

@@ -56,8 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Adds random points until n of them have the minimum distance. Gives up after this number of random
-    // points, because the last point alone needs 100 tries on average.
+    // Adds random points until n of them have the minimum distance. Gives up after `limit` tries, which is
+    // high because the last point alone needs 100 tries on average.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -151,7 +151,8 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
 }
 
 PoissonPoints::Block PoissonPoints::block_of(std::uint32_t sample) const {
-    // The first n % blocks_ blocks have one sample more than the others, because n may not divide evenly.
+    // If n_ samples do not divide evenly into blocks_ blocks, the first n_ % blocks_ blocks have one sample
+    // more than the others.
     const std::uint32_t least = n_ / blocks_, large = n_ % blocks_, in_large = large * (least + 1);
     if (sample < in_large) {
         const std::uint32_t k = sample / (least + 1);

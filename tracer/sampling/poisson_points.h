@@ -9,7 +9,8 @@
 
 namespace postlens {
 
-/// Points on the torus [0, 1)^2, as integers in units of 2^-32, so that adding a shift wraps around.
+/// Points on the torus [0, 1)^2, as integers in units of 2^-32. Adding a shift wraps them around the torus by
+/// integer overflow.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
@@ -19,16 +20,17 @@ struct PoissonPattern {
 [[nodiscard]] double densest_distance(int n);
 
 /// Returns n random points on the torus [0, 1)^2, where n is 1 to 1024.
-/// All points are at least `poisson_distance_share` * densest_distance(n) apart.
+/// All points are at least `poisson_distance_share` times the largest possible minimum distance,
+/// densest_distance(n), apart.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of densest_distance. It could hardly be larger: with 0.777,
-/// random placement rarely finds room for the last point.
+/// Minimum distance of points, as a fraction of the largest possible one (densest_distance). With a fraction
+/// of 0.777, random placement rarely finds room for the last point.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least
+/// Returns n random points on a circle of circumference 1, in units of 2^-32. Neighbours are at least d =
 /// poisson_distance_share / n apart.
-/// To achieve this, n uniform points are placed on a shorter circle, and then an arc of this length is
-/// inserted after each point.
+/// To achieve this, n uniform points are placed on a shorter circle, and then an arc of length d is inserted
+/// after each point.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// Poisson-disc points for the samples of a pixel: a precomputed pattern, shifted and in random order.
@@ -40,8 +42,9 @@ class PoissonPoints {
 
     /// n: 1 .. 2^20.
     PoissonPoints(std::uint32_t n, std::uint64_t seed);
-    /// Writes the Poisson-disc points of samples [first, first + count), where count is 1 to 16.
-    /// With `permuted`, the points are in random order, otherwise in the order of the pattern.
+    /// Writes points of a Poisson-disc pattern for the samples [first, first + count) of a pixel, where count
+    /// is 1 to 16.
+    /// With `permuted`, the samples get the pattern's points in random order, otherwise in its own order.
     void fill_2d(SetKey key, bool permuted, int first, int count, float* u, float* v) const;
     void fill_1d(SetKey key, bool permuted, int first, int count, float* u) const;
 
@@ -58,8 +61,8 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Patterns of floor(n / blocks_) points and of one more point. The samples are divided into blocks of
-    /// these two sizes.
+    /// Patterns for blocks of floor(n_ / blocks_) samples, and then for blocks of one sample more. The n_
+    /// samples are divided into blocks of these two sizes.
     std::array<Patterns, 2> sizes_;
 };
 

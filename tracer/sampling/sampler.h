@@ -12,9 +12,9 @@
 
 namespace postlens {
 
-/// How the samples of a pixel are distributed: their raster positions, lens points and instants. These three
-/// are combined at random.
-/// With `sobol`, their combinations are also evenly distributed.
+/// How the samples of a pixel are distributed. Raster positions, lens points and instants are each
+/// distributed in this manner, and then combined at random.
+/// Only with `sobol`, the combinations are evenly distributed, too.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -30,8 +30,8 @@ struct SampleSet {
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the random points for a purpose, such as area lights. `a` and `b` distinguish several sets. Two
-/// sets coincide with a probability of 2^-32.
+/// Returns a set of random points for one purpose, such as area lights. `a` and `b` number the sets of this
+/// purpose. Two different sets have equal points with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
@@ -71,8 +71,9 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes one random point for each of `lanes` samples of a pixel, 16 or 1, from sample index `first` on.
-    /// If an index is not less than `spp`, the number of samples per pixel, the point is undefined.
+    /// Writes one random point for each of `lanes` samples of a pixel, from sample index `first` on; `lanes`
+    /// is 1 or 16.
+    /// Samples with an index of `spp` or more do not exist, so their points are undefined.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

@@ -16,8 +16,8 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// Divides by multiplying by the reciprocal. Adding 0.5 to the dividend makes this exact for divisors up to
-/// 2^20 and quotients up to 2^24.
+/// Divides integers by multiplying by the reciprocal, and rounds down. Adding 0.5 to the dividend makes the
+/// result exact for divisors up to 2^20 and quotients up to 2^24.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -27,8 +27,8 @@ struct Divisor {
     /// Returns the lower edge of interval number `cell` if [0, 1) is divided into `value` equal intervals.
     /// The result is in units of 2^-24, rounded up.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
-        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. As in
-        // rounded_down(), 0.5 is added against rounding errors.
+        // Computes ceil(a / d) as floor((a + d - 1) / d), where a = cell * 2^24 and d = `value`. Adding 0.5
+        // against rounding errors turns d - 1 into d - 0.5.
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
@@ -47,8 +47,8 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes where each sample point lies within its cell of the unit interval or square. The result for one
-/// axis is a multiple of 2^-24 in [0, 1).
+/// Computes the position of each sample point within its stratum, i.e. its cell of the unit interval or
+/// square. The result for one axis is a multiple of 2^-24 in [0, 1).
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -70,8 +70,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Row r of the grid begins at cell floor(r * n / rows). So cell c belongs to the last row for which
-        // this is at most c.
+        // Row r of the unit square begins at cell floor(r * n / rows), where n is the number of cells. So
+        // cell c is in the last row that begins at or before it.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);
@@ -81,8 +81,8 @@ template <int lanes>
         cells_of_row.value = is_few ? few_cells.value : more_cells.value;
         cells_of_row.inverse = is_few ? few_cells.inverse : more_cells.inverse;
         u[i] = unit_float_24(between(cells_of_row.edge(column), cells_of_row.edge(column + 1), share_u[i]));
-        // The unit square is divided into rows, and each row into cells. The height of a row is proportional
-        // to its number of cells, so that all cells have the same area.
+        // All cells of the unit square have the same area. So the height of a row is proportional to the
+        // number of cells into which the row is divided.
         v[i] = unit_float_24(between(n.edge(begin), n.edge(end), share_v[i]));
     }
 }

@@ -28,8 +28,8 @@ class Strata {
     /// - `permuted`: the cells are assigned to the samples in random order
     /// - `lanes`: 1 or 16
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, and `u` receives one
-    /// point per sample.
+    /// Like fill_2d, but for one dimension: [0, 1) is divided into n equal intervals, one for each sample of
+    /// a pixel. `u` receives the samples' points.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

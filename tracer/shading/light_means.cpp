@@ -30,8 +30,8 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
 
 // Returns point i of the twelve points of an area light whose visibility is tested first: 8 on the outline of
 // the light and 4 inside.
-// On a sphere, the 8 points are rotated by a random angle, because points at fixed angles would always miss
-// the same occluders.
+// The outline's points on a sphere are 45 degrees apart and rotated by a random angle. Otherwise, occluders
+// between them would always be missed.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -75,9 +75,9 @@ dvec3 unshadowed(const ExtentLit& p) {
     }
 }
 
-// Returns the number k for a light that is divided into k x k cells. A shadow edge crosses k of these cells,
-// which are lit or not by chance. At radiance L, this causes noise of sqrt(k) (L / 2) / k^2, which is
-// target_noise for the returned k.
+// Returns the number k for which a light, divided into k x k cells, causes noise of target_noise at a shadow
+// edge. The edge crosses k cells, and each adds L / k^2 to the radiance L or nothing, by chance. So the noise
+// is sqrt(k) (L / 2) / k^2.
 int cells_for(const ExtentLit& p, const dvec3& radiance) {
     const double bright = largest(radiance * p.throughput);
     const double k = std::ceil(std::pow(bright / (2 * target_noise), 2.0 / 3));

@@ -38,7 +38,8 @@ class LightMeans {
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Sets the mean radiance of each of the `points`. `rays` is a temporary buffer. Thread-safe.
+    /// Sets the mean radiance that each of the `points` reflects from its area light. `rays` is a temporary
+    /// buffer. Thread-safe.
     /// Adds the number of rays to `shadow_rays`.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 

@@ -58,7 +58,8 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// Returns an upper bound of the light that a light source sends to any surface, attenuated by distance.
+// Returns an upper bound of the light that any surface receives from a light source. No surface is nearer to
+// it than the distance assumed here.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

@@ -18,8 +18,8 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // Uses the geometric normal, because the interpolated normal faces away from the ray and gives no
-        // mirror direction.
+        // The interpolated normal faces away from the ray, so no mirror direction can be computed from it.
+        // The geometric normal replaces it.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
@@ -169,7 +169,8 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
 dvec3 mirrored_direction(const Continuation& c, const Facing& f, const dvec3& direction, bool& inwards) {
     dvec3 mirrored = direction - 2 * c.d_n * f.normal;
     inwards = glm::dot(mirrored, f.geometric_normal) <= 0;
-    // The interpolated normal may reflect the ray into the surface. The geometric normal never does.
+    // A mirror direction computed from the interpolated normal may point into the surface. One computed from
+    // the geometric normal never does.
     if (inwards) mirrored = glm::reflect(direction, f.geometric_normal);
     return glm::normalize(mirrored);
 }

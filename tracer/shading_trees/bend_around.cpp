@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 /// Returns the surface hit of a sample that has the given path and layer. If there is none, returns the hit
-/// in layer 0, because hidden layers do not repeat the mirror or glass in front of them.
+/// with this path in layer 0, because a hidden layer does not repeat the mirror or glass in front of it.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,7 +28,7 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of those hits of a sample that are reached like a given hit: by the same path, over the same
+/// Summary of those hits of a sample whose rays took the same path as that of a given hit, over the same
 /// mirrors and glass objects.
 struct Seen {
     float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2

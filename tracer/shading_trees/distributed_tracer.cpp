@@ -27,8 +27,8 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A surface hit whose radiance must not exceed LightElsewhere::above. The limit applies to the sum over all
-/// light sources, so `radiance` collects this sum first.
+/// A surface hit whose radiance is limited to LightElsewhere::above. Several light sources contribute, and
+/// the limit applies to their sum, so `radiance` first collects this sum.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};

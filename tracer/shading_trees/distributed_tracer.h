@@ -34,14 +34,14 @@ struct EyeRays {
     /// `min_contribution`. If empty, all are 1.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance to leave out, added as highlights; may be null
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray. `t` is the distance of
-    /// the point along the ray, m.
+    /// Returns the raster position, px, at which the pinhole camera sees a point on the ray with index `ray`.
+    /// The point is at the distance `t`, m, along the ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    /// If not empty, names one surface point per ray. Then only `left_out` is computed, and only from the
-    /// radiance of this surface point.
+    /// If not empty, contains one surface point per ray. Then the only result is `left_out`, the radiance
+    /// that `less` excludes from this surface point.
     std::vector<NodeIdentity> left_out_of;
 };
 
@@ -54,8 +54,8 @@ class DistributedTracer {
     /// Thread-safe. The same rays in the same order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Returns true if eye rays are passed to Embree as coherent, which doubles the speed with a pinhole.
-    /// With moving geometry, it would almost halve the speed (docs/performance.md).
+    /// Returns true if eye rays are passed to Embree as coherent. This doubles the speed with a pinhole if no
+    /// geometry moves. With moving geometry, it would almost halve the speed (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// Returns true if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }

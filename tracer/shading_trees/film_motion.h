@@ -16,19 +16,20 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s` is the recorded instant, and `instants_s` are the instants for which positions are predicted.
+    /// Predicts where points recorded at the instant `from_s` appear on the raster at the instants
+    /// `instants_s`.
     /// `motion` must have been made from `camera`.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, of a point of object `id` at the i-th of the instants for which
-    /// positions are predicted. Empty if the point is then behind the camera.
-    /// `point` is the world position, m, of the point at the recorded instant.
+    /// Returns the raster position, px, of a point of object `id` at the i-th instant of `instants_s`, passed
+    /// to the constructor. Empty if the point is then behind the camera.
+    /// `point` is the point's world position, m, at the instant `from_s`.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, of the infinitely distant background in `direction` at instant i. For
-    /// an orthographic camera, this is the ray's own raster position `at`.
+    /// Returns the raster position, px, at which the infinitely distant background in `direction` appears at
+    /// instant i. For an orthographic camera, this is `at`, the raster position of the ray in this direction.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -46,8 +47,8 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// Per object id and instant, the matrix from world positions at the recorded instant to those at this
-    /// instant.
+    /// For each object id and each later or earlier instant: the matrix that maps world positions at the
+    /// instant `from_s` to those at that instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;

@@ -69,8 +69,8 @@ class Follower {
     }
 
     // Returns the distance, m, from which the ray continues after its last hit. This is just before the hit,
-    // because another surface may touch the surface there. If the hit repeated an earlier one, the ray
-    // continues just behind it.
+    // because another surface may lie at the same distance. If the same surface was hit again, it is just
+    // behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -84,8 +84,8 @@ class Follower {
             return false;
         }
         meet(c, key, scene_.surface(key, e.origin, e.direction, t));
-        // If motion may reveal hidden surfaces, tests after each hit whether the ray must continue. As soon
-        // as no moving object remains ahead, the ray may end.
+        // If motion may reveal hidden surfaces, needs_more() is called after each hit, because the ray may
+        // end as soon as no moving object remains ahead.
         return by_motion(c) ? needs_more(c) : c.goes_on;
     }
 
@@ -156,14 +156,15 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // Without parallax, motion never reveals a surface at rest behind another surface at rest.
+        // Without parallax from the camera's motion, a surface at rest never appears from behind another.
+        // Then only moving objects can be revealed.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Returns true if some lens point may see surface `s`, which other surfaces on the ray hide from the
-    // pinhole.
+    // Returns true if some lens point may see surface `s`. From the lens centre, other surfaces on the ray
+    // hide it.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -175,8 +176,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // If this surface is a mirror or glass, it shows images that lie behind it. Past the surfaces in
-        // front, a lens may see more of an image than of the mirror or glass itself.
+        // A mirror or glass shows images that may lie far behind it, and of these a lens sees more past the
+        // surfaces in front. So the mirror or glass is also tested as if it were infinitely distant.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -192,8 +193,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Returns true if motion may uncover surface `s`, i.e. if every surface in front of it
-    // moves differently in the image.
+    // Returns true if motion may uncover surface `s`. A surface in front keeps hiding it if both move
+    // equally, so every one must move differently in the image.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -19,22 +19,24 @@ namespace postlens {
 struct HiddenLayers {
     static constexpr int most = 16;
     /// Largest number of hidden surfaces per eye ray that are recorded because motion may reveal them. More
-    /// are rarely visible in an image.
+    /// than this number are rarely visible.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray that are recorded only because a wide lens reveals them.
+    /// Largest number of hidden surfaces per ray that are recorded if only the lens, not motion, may reveal
+    /// them.
     static constexpr int most_seen_past = 3;
-    /// A strip of a hidden surface counts as invisible if it is at most this wide, px. It covers at most a
-    /// quarter of a pixel, i.e. about one of the at least four samples that the pixel averages.
+    /// A hidden surface counts as invisible if only a strip of at most this width, px, is revealed. The strip
+    /// covers at most a quarter of a pixel, i.e. about one of its samples (at least four).
     static constexpr double invisible_px = 0.25;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, only hidden surfaces that motion may reveal are returned,
-    /// at most `most_uncovered` per ray.
+    /// If not null, hidden surfaces that motion may reveal are returned, at most `most_uncovered` per ray. If
+    /// `lens` is null too, all are returned.
     const FilmMotion* motion = nullptr;
     /// If not null, hidden surfaces that a lens may see are also returned, whether it sees them directly or
     /// in mirrors and glass.
     const LensReach* lens = nullptr;
-    /// The connected parts of all objects. Null if every object is a single part.
+    /// The connected parts of each object, such as the leaves of a tree. Null if every object is a single
+    /// part.
     const ObjectParts* parts = nullptr;
     double same_place_px = invisible_px;  ///< only for `motion`; `lens` has its own
 

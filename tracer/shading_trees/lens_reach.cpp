@@ -16,8 +16,7 @@ namespace {
 constexpr int tile = 16;
 
 /// Returns the square of pixels in which this thread's last search of the depth pyramid ended, for a similar
-/// column and inverse depth. The next search tests this square first, because searches close together often
-/// end in the same square.
+/// column and inverse depth. The next similar search often ends there too, so it tests this square first.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid, double inverse_depth, double x) {
     thread_local std::array<MinMaxPyramid::Hint, 1024> hints;
     const std::size_t depth =

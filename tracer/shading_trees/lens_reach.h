@@ -27,32 +27,33 @@ namespace postlens {
 /// The inverse depth of a node is half the trace of W. For a surface seen directly, it is 1 / depth.
 class LensReach {
   public:
-    /// Margin, px, around the strip of hidden surfaces seen past an edge, because edges are found only to a
-    /// pixel and whole pixels are recorded.
+    /// Hidden surfaces seen past an edge are recorded in a strip of pixels. It is widened by this margin, px,
+    /// because edges are found only to a pixel and whole pixels are recorded.
     static constexpr double margin_px = 2.5;
-    /// A depth edge lies between two pixels if the parallax of their surfaces differs. From lens centre to
-    /// rim, the surfaces must move apart in the image by at least this fraction of the pixels' distance.
+    /// A depth edge lies between two pixels if their surfaces move apart in the image when the lens point
+    /// moves from the lens centre to the rim. They must move apart by at least this fraction of the pixels'
+    /// distance.
     static constexpr double edge_slope = 0.125;
     /// Hidden surfaces are recorded only in rays with at most this number of reflections and refractions.
     /// After more bounces, they are numerous and faint.
     static constexpr int most_bounces = 2;
 
-    /// Traces one ray from the lens centre per pixel of [x_begin, x_end) x [y_begin, y_end). Only for
-    /// perspective cameras.
+    /// Finds the depths of the visible surfaces by one ray from the lens centre per pixel of [x_begin, x_end)
+    /// x [y_begin, y_end). Only for perspective cameras.
     /// - `aperture_radius_m`: greater than 0
-    /// - `same_place_px`: two surfaces count as equally deep if their parallax over the lens is less than
-    ///   this, px
+    /// - `same_place_px`: surfaces that move apart by less than this, px, from lens centre to rim count as
+    ///   equally deep
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               double same_place_px, int x_begin, int x_end, int y_begin, int y_end);
 
-    /// Surfaces that a ray has passed. They may hide farther surfaces from the lens.
+    /// The surfaces that a ray has crossed so far. They may hide farther surfaces from the lens.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth, 1/m, of the image of an infinitely distant point on the ray.
+        /// Inverse depth, 1/m, at which the camera sees an infinitely distant point on the ray.
         /// It is 0 for an eye ray. After a curved mirror it is not, because the mirror shows distant points
         /// at a finite depth.
         double limit = 0;
@@ -60,14 +61,14 @@ class LensReach {
     /// Returns true if some lens point may see a hidden surface of inverse depth `behind`, 1/m. `covers`
     /// describes the surfaces in front of it on the same ray. If false, certainly no lens point sees it.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Returns true if the lens may see the infinitely distant background. `covers` describes the surfaces in
-    /// front of it on the same ray.
+    /// Returns true if the lens may see the infinitely distant background behind the surfaces that a ray
+    /// crosses. `covers` describes these surfaces.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the inverse depth, 1/m, of a recorded point: the mean of the diagonal of its matrix W. For a
-    /// surface seen directly, both diagonal entries are 1 / depth.
+    /// Returns the inverse depth, 1/m, of a recorded point, the mean of the diagonal of its matrix W (motion
+    /// of its image over the lens). For a surface seen directly, both diagonal entries are 1 / depth.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -86,8 +87,8 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_, same_place_px_;
-    /// Parallax, px, of two surfaces between lens centre and lens rim, divided by the difference of their
-    /// inverse depths, 1/m.
+    /// Converts the difference of two surfaces' inverse depths, 1/m, to their parallax, px, from lens centre
+    /// to lens rim.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
     const MinMaxPyramid* eye_view_ = nullptr;  ///< the view of eye rays, which most searches need

@@ -29,16 +29,18 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns a factor of the weight that a ray of one hit has in the mean of another hit. It decreases to 0 at
-// the distance `reach_px` of the hits, so that the mean changes continuously over the image.
+// Two hits close together use each other's rays for the mean radiance over their glossy lobes. Returns a
+// factor of the weight of such rays. It decreases to 0 at the distance `reach_px`, so that the mean changes
+// continuously over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
-// index, so that hits close together get successive sample points, which are stratified.
+// Returns the index of the raster position `at` along a Morton curve with steps of 1/4 px. Hits sorted by
+// this index get successive points of a stratified sequence, so hits close together get well distributed
+// points.
 // 16 bits per coordinate distinguish positions within 16384 px, which is enough for a batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
@@ -57,7 +59,7 @@ std::uint64_t seed_of(const LobeHit& h) {
 }
 
 // Returns a scrambled Sobol point, from which a direction in a glossy lobe is sampled.
-// Points with consecutive indices are stratified.
+// Points of successive indices are evenly distributed over the unit square (stratified).
 glm::dvec2 lobe_point(std::uint64_t seed, std::uint32_t index) {
     const auto coordinate = [&](int dimension) {
         const auto key = static_cast<std::uint32_t>(mix64(seed + static_cast<std::uint64_t>(dimension)));
@@ -117,8 +119,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// All rays of a batch may still hit the same number of surfaces (`nodes_left`). So `rays` must be sorted by
-// `nodes_left`.
+// A batch of rays is traced with one limit `nodes_left`, the number of surfaces that each ray may still hit.
+// So `rays` must be sorted by `nodes_left`.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;

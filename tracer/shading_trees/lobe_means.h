@@ -1,5 +1,6 @@
 // Computes the mean radiance over wide glossy lobes. Neighbouring samples share rays.
-// A mean is almost the same from every lens point, so it is added to the surface's own record.
+// The mean is almost the same from every lens point, so it becomes part of the radiance in the record of the
+// glossy surface.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +27,7 @@ struct LobeHit {
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
     /// Radiance of the hit without its glossy lobes, times the throughput. The brighter it is, the less
-    /// visible is the noise of the lobes, so fewer rays suffice.
+    /// visible is the noise of the lobes, so they need fewer rays.
     glm::dvec3 beside{0};
 };
 
@@ -76,7 +77,8 @@ class LobeMeans {
 };
 
 /// Returns the density of a glossy lobe in a unit direction, relative to that of cos^exponent on its axis.
-/// The part of the lobe behind the surface is mirrored to the front. Behind the surface, the density is 0.
+/// Directions that point into the surface are mirrored to the front, so their density is 0 and that of their
+/// mirror directions is greater.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

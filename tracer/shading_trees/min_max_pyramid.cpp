@@ -10,8 +10,8 @@ namespace {
 
 constexpr float no_value = std::numeric_limits<float>::infinity();
 
-/// Returns the squared distance from (x, y) to the nearest integer position in a square. The square is `size`
-/// wide, and its first position is (square_x, square_y) * size.
+/// Returns the squared distance from (x, y) to the nearest pixel in a square of `size` x `size` pixels.
+/// Pixels have integer positions, and the first pixel of the square is (square_x, square_y) * size.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -101,8 +101,8 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // Squares of the pyramid that are still to be searched: at most 9 of the first level and 3 of each of 31
-    // levels below, 102 in all.
+    // Squares of the pyramid that are still to be searched. There are at most 9 at first. Then one is
+    // replaced by four on each of 31 levels below: 102 in all.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
@@ -126,9 +126,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // The search starts at the pyramid level whose squares are at least as wide as the search radius. So the
-    // search circle overlaps at most 3 x 3 squares. Most circles are small, so a search from the top of the
-    // pyramid would take longer.
+    // The search starts at the first pyramid level whose squares are at least as wide as the search radius,
+    // so at most 3 x 3 squares overlap the search circle. Most circles are small, so a start at the top of
+    // the pyramid would take longer.
     const int top = level_of_width(radius);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -20,7 +20,8 @@ struct RayDifferentials {
     std::array<glm::dvec3, 4> direction{};
 };
 
-/// Returns the derivatives of an eye ray of a perspective camera, at the origin of the ray.
+/// Returns the derivatives of an eye ray of a perspective camera, at the ray's origin, with respect to its
+/// tangent and lens point.
 [[nodiscard]] RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray);
 
 /// Moves ray differentials along the ray by the distance `t`, to a hit on a surface with the normal `normal`.
@@ -32,15 +33,15 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 [[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
-/// Returns ray differentials after refraction. Not for total internal reflection.
-/// `eta` is the ratio of the refractive indices in front of and behind the surface.
+/// Returns ray differentials after refraction. Must not be called for total internal reflection.
+/// `eta` is the refractive index on the ray's side of the surface divided by that on the other side.
 /// `normal` points against the ray.
 [[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W, 1/m, which describes how the image of a hit moves on the raster when the lens point
-/// moves.
+/// Returns the matrix W, 1/m. If the lens point moves by q, the eye ray to the same hit changes its tangent
+/// by -W q, to first order.
 /// W = (dX/dp)^-1 dX/dq, along the raster's axes:
 /// - X: point that the ray hits
 /// - p: tangent of the eye ray's angle to the optical axis

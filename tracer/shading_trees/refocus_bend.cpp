@@ -16,15 +16,15 @@ using glm::dvec3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Largest number of Newton steps to find the ray from a lens point to a given surface point.
-// All steps use the derivatives of the ray through the lens centre. These are not exact for other lens
-// points, so each step reduces the error only about tenfold.
+// The steps use the derivatives of the ray through the lens centre. These derivatives are inexact for other
+// lens points, so each step reduces the error only about tenfold.
 constexpr int most_steps = 5;
-// Newton's method adjusts the direction of a ray. It ends when the last step moves the ray by at most
-// settled_px on the raster. It also ends when the estimated error is at most settled_share of the ray's
-// deviation from the linear prediction.
+// Newton's method adjusts a ray from a lens point to reach a given surface point. It ends when a step moves
+// the ray by at most settled_px on the raster, or when the estimated error is at most settled_share of the
+// ray's departure (deviation from a linear function).
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// After the first Newton step, the remaining error is estimated to be this fraction of the step. After later
-// steps, it is estimated from the ratio of the last two steps.
+// The error that Newton's method leaves is estimated from its last step. After the first step, it is this
+// fraction of the step; later, the fraction is the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 constexpr double straight_share = 0.5;
 
@@ -44,8 +44,8 @@ struct Probe {
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. `hidden`: it hit another object or nothing.
-    // `lost`: it was totally reflected, or Newton's method, which searches for the ray, diverged.
+    // `hidden`: before its last bounce, the ray hit nothing or an object off its path. `lost`: it was totally
+    // reflected there, or Newton's method, which searches for the ray, diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -99,8 +99,8 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns the next Newton step for ray p, i.e. the change of its tangent. Uses the derivatives of the ray
-    // through the lens centre instead of those of p.
+    // Returns the change of the tangent of ray p by the next step of Newton's method. The step uses the
+    // derivatives of the ray through the lens centre instead of those of p.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
@@ -119,8 +119,9 @@ class Prober {
     std::span<const BentNode> nodes_;
 };
 
-// Each probe is a search, by Newton's method, for the ray that reaches a given surface point. Traces the
-// current ray of each unfinished search (`open`) through its reflections and refractions to its last bounce.
+// Each probe is a search, by Newton's method, for the ray from a lens point that reaches a given surface
+// point. Traces the current ray of each unfinished search (`open`) through its reflections and refractions to
+// its last bounce.
 void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& probes,
             const std::vector<std::uint32_t>& open, std::uint64_t& rays_spent) {
     thread_local RayBatch batch;
@@ -157,8 +158,8 @@ bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Newton's method for rays from lens points to given surface points. A departure is how far a ray's tangent
-/// deviates from a linear function of the lens point.
+/// Newton's method for rays from lens points to given surface points. The tangent of such a ray is almost a
+/// linear function of the lens point. Its deviation from this function is called departure.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
@@ -199,8 +200,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // A lost ray does not reach its surface point, so the result for this point is infinite. All further
-        // rays to the point are then skipped.
+        // A lost ray does not reach its surface point. Then `w_bend`, the result for this point, is infinite,
+        // and all further rays to the point are skipped.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -224,8 +225,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Of all rays to a surface point, only the largest deviation from the linear prediction
-            // (`departure`) is used. So a ray ends early if its departure is certainly smaller.
+            // `departure` is a ray's deviation from a linear function of the lens point. Only the largest of
+            // all rays to a surface point counts, so a ray ends early if its own is certainly smaller.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -251,8 +252,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // A ray's departure is its deviation from the linear prediction. It is of second order, so the ray from
-    // the opposite lens point has almost the same departure. If it is small, this ray is not traced.
+    // A ray's departure, its deviation from a linear function of the lens point, is of second order. So the
+    // ray from the opposite lens point has almost the same departure. If it is small, no opposite ray is
+    // traced.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -268,8 +270,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // `bend` is negative if no ray from the lens reached the surface point. The result is then unknown
-    // (infinite).
+    // A negative `bend` means that no ray from the lens reached the surface point. Then `bend` is unknown,
+    // which infinity stands for.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

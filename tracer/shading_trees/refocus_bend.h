@@ -1,5 +1,5 @@
-// Measures with additional rays how nonlinearly images in mirrors and glass move when the lens point moves
-// (`w_bend`).
+// Images in mirrors and glass move nonlinearly when the lens point moves. Measures with additional rays by
+// how much (`w_bend`).
 #pragma once
 
 #include <array>
@@ -21,7 +21,8 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A surface hit seen in a mirror or through glass, for which `w_bend` is measured.
+/// A surface hit seen in a mirror or through glass. When the lens point moves, its image moves nonlinearly,
+/// by `w_bend`.
 /// To measure it, rays from other lens points are sought that bounce at the same objects and reach the same
 /// point, `target`.
 struct BentNode {
@@ -33,8 +34,8 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< tangent of the eye ray, along the raster's axes
-    /// Derivatives of the hit's world position with respect to `tangent`, the slopes x / z and y / z of the
-    /// eye ray.
+    /// Derivatives of the hit's world position with respect to `tangent`, i.e. to the slopes x / z and y / z
+    /// of the eye ray that leads to the hit.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

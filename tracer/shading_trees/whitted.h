@@ -24,8 +24,8 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
-    /// Radius of the lens, m. Glossy lobes are averaged over their directions only if they are wider than the
-    /// lens, seen from the surface. If 0, all lobes are averaged.
+    /// Radius of the lens, m. The record of a glossy surface contains the mean radiance over a lobe only if
+    /// the lobe is wider than the lens, seen from the surface. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     /// False for callers that need only positions. Radiances are then undefined.
     bool lit = true;
@@ -34,8 +34,8 @@ struct WhittedSettings {
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases.
 /// `hidden` counts rays that continue behind a surface, to find hidden surfaces.
-/// `lens` counts rays from other lens points than the centre. They measure `w_bend`, i.e. how nonlinearly an
-/// image moves when the lens point moves.
+/// `lens` counts rays from lens points other than the centre, which measure how nonlinearly an image moves
+/// when the lens point moves (`w_bend`).
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -50,8 +50,8 @@ struct RayCounts {
     }
 };
 
-/// The last ray of a path with at least one reflection or refraction. From the rays at the corners of a cell,
-/// `trace` finds images of small bright objects in mirrors and glass.
+/// The last ray of a path with at least one reflection or refraction. Small bright objects in mirrors and
+/// glass are searched for between such rays from the corners of a quadtree cell.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -73,14 +73,14 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// Per record, the noisy part of the radiance, from random rays into glossy lobes and to area lights.
-    /// Empty if no record is noisy.
+    /// For each record (shaded surface hit), the noisy part of its radiance, which random rays into glossy
+    /// lobes and to area lights give. Empty if no record is noisy.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty without textures, lights and WhittedSettings::parts.
     std::vector<ColourSource> sources;
-    /// For each record, the last ray of its path; default values if the path has no bounce. Serves to find
-    /// images of bright objects in mirrors and glass. Empty if the scene has no mirrors and glass, or nothing
-    /// brighter than white.
+    /// For each record, the reflected or refracted ray that hit the surface; default values if an eye ray
+    /// did. Serves to find images of bright objects in mirrors and glass. Empty if the scene has no mirrors
+    /// and glass, or nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
@@ -98,16 +98,17 @@ class WhittedTracer {
 
     /// Traces eye rays through raster positions, px. Thread-safe. Fastest if 16 successive positions are
     /// close together.
-    /// - `around(i)`: returns earlier samples near positions[i], whose `w_bend` may be reused to save rays
+    /// - `around(i)`: returns earlier samples near positions[i]. Reusing their `w_bend` saves the rays that
+    ///   measure it.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Like `trace`, but computes only what decides whether a quadtree cell is subdivided: the visible
-    /// surfaces and their radiance without sampling noise.
+    /// Like `trace`, but computes only the visible surfaces and their radiance without sampling noise. These
+    /// decide whether a quadtree cell is subdivided.
     /// Does not find hidden surfaces, average glossy lobes or measure `w_bend` (how nonlinearly an image
     /// moves with the lens point).
     void trace_steady(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts) const;
-    /// An image's deviation from linear motion over the lens is taken from neighbouring samples if it is at
-    /// most this, px. If it is greater, it is taken only if the neighbouring samples agree.
+    /// When the lens point moves, an image may deviate from linear motion. To save rays, a deviation of at
+    /// most this, px, is taken from neighbouring samples. A greater one is taken only if these samples agree.
     static constexpr double little_bend_px = 0.125;
 
     /// Returns true if a material reflects or transmits, so that rays may continue after their first hit.

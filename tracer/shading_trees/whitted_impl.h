@@ -34,7 +34,8 @@ struct WhittedTracer::Impl {
         int root_depth = 0;  // depth of the first node of its layer
     };
 
-    // The contribution of a light to a surface point, before its shadow ray is traced.
+    // A light's contribution to the radiance of surface point number `node`, stored until its shadow ray is
+    // traced.
     struct Shadow {
         std::uint32_t node = 0;
         glm::dvec3 radiance{0};
@@ -88,8 +89,8 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // The radiance of these surface hits is the mean of several rays. The rays go into a glossy lobe
-        // (`lobes`) or to points of an area light (`extents`).
+        // Surface hits whose radiance is the mean of several rays: rays into a glossy lobe (`lobes`) or to
+        // points of an area light (`extents`).
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -114,23 +115,23 @@ struct WhittedTracer::Impl {
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     [[nodiscard]] Workspace& workspace(std::span<const glm::dvec2> positions) const;
-    // Makes the eye rays. generation() then traces them, and later their reflections and refractions, one
-    // bounce at a time. If `with_hidden` is true, stores the first hits, because hidden surfaces behind them
-    // are searched for later.
+    // start() makes the eye rays. The first call of generation() traces them, and each further call traces
+    // the rays after one more bounce. If `with_hidden` is true, the first hits are stored for the later
+    // search for hidden surfaces.
     void start(Workspace& w, bool with_hidden) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray, so that hidden surfaces behind it can be found later.
-    // Skips the hit if no lens point can see a surface behind it. Also skips it if the ray leaves glass
-    // there, because the transmitted ray finds the surfaces behind.
+    // Stores the hit of a reflected or refracted ray for the later search for hidden surfaces behind it.
+    // Skips the hit if no lens point can see behind it. Also skips it if the ray leaves glass there, because
+    // the ray transmitted there finds the surfaces behind.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Finds the hidden surfaces that a lens sees in mirrors or through glass, and adds a layer for each. The
-    // layer contains only the hidden surface, not the mirror or glass again.
+    // Finds the hidden surfaces that a lens sees in mirrors or through glass. Each gets a layer of records of
+    // its own, which does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Shades a hidden surface as if nothing were in front of it. The surface becomes the root of a new
-    // shading tree.
+    // Shades a hidden surface as if nothing were in front of it, as other lens points or instants see it. The
+    // surface becomes the root of a new shading tree.
     void root(const FirstHit& first, const HiddenHit& h, PathRay& ray, Workspace& w, RayCounts& counts) const;
     [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
@@ -151,15 +152,16 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a surface point for which `w_bend` is measured later: how nonlinearly the image of the point
-    // moves when the lens point moves. Points whose image moves linearly are not stored.
+    // Stores a surface point for later measurement of how nonlinearly its image moves when the lens point
+    // moves (`w_bend`). Points whose image moves linearly are not stored.
     // `s` is null if the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates `w_bend` (Record) of the surface points in `w.bent` from earlier samples nearby. Points with
-    // an estimate are removed from `w.bent`, so they need no further rays.
+    // `w.bent` lists the surface points for which `w_bend` (Record) must be measured by rays. Estimates it
+    // from earlier samples nearby, and removes the points that have an estimate, to save rays.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the hit points, ordered by number of bounces, to records, ordered by sample, layer and path.
+    // Converts the surface hits, ordered by number of bounces, to records, ordered by sample, layer (visible
+    // or hidden surface) and path.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 
