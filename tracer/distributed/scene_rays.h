@@ -1,5 +1,5 @@
-// Traces rays through given lens points. These rays replace image samples that recorded samples would make
-// wrong. Surfaces are shaded as in `render`.
+// Traces rays through given lens points. They replace the parts of an image that recorded samples would
+// make wrong. Surfaces are shaded as in `render`.
 #pragma once
 
 #include <mutex>

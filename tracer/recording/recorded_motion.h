@@ -10,8 +10,8 @@
 namespace postlens {
 
 /// Returns the motion that a sample file stores: that of the camera, of moving objects, and of lights.
-/// Moving objects have bounding spheres. Lights at rest are included only if objects move, because only then
-/// does their light on surfaces change.
+/// Moving objects have bounding spheres. Lights at rest are included if objects move, because their light
+/// on surfaces then changes.
 /// If several shapes have the same id, the motion of the first is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
