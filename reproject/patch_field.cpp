@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether this image square has so many reflected and transmitted surfaces that tracing rays is faster
-    /// than drawing them. Empty until computed.
+    /// Whether this square of the image has so many surfaces seen by reflection or transmission that tracing
+    /// rays is faster than reprojecting these surfaces. Empty until computed.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// If, after this many views, fewer than half of the samples that show mirrors or glass were reprojected
-/// accurately, rays trace all of these samples.
+/// After this many views (images for one lens point and instant), rays trace all later samples with mirrors
+/// or glass if fewer than half of those so far were reprojected accurately.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -280,8 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Depths are needed even where rays replace all colours, to find which highlights (`lights`) are
-        // hidden by surfaces.
+        // The depths of this view are needed even if rays replace its colours: they decide which bright spots
+        // (`lights`) are hidden by surfaces.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -310,8 +310,8 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // A view may lie between two recorded instants. Where they show the same surface, their colours are
-        // blended; elsewhere the nearer surface counts.
+        // The view's instant may lie between two recorded instants. Where both instants show the same
+        // surface, its two colours are blended; elsewhere the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -326,7 +326,7 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds the colours of a view to the sums of all its pixels. Only for views without vignetting that are
+    /// Adds the colours of a view to the sums of all its pixels. The view must have no vignetting, and be
     /// reprojected from a single recorded instant. Faster than add_some, which handles every view.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;

@@ -133,8 +133,8 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                      sample_across = side.across ? at.sample.x : at.sample.y;
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // Also marks pixels up to 1 px to each side along the border, because the outline of the surface
-            // may cross the border obliquely.
+            // The outline of the surface may cross the image border obliquely. So pixels up to 1 px before
+            // and after the surface's position along the border are marked too.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

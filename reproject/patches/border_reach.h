@@ -23,8 +23,8 @@ class BorderReach {
     /// Returns whether the lens or motion may bring a surface from beyond the border of the recorded image
     /// into the tile `at`.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Finds the pixels of a view that a surface from outside the recorded image may cover, assuming that the
-    /// recorded surfaces at the border continue. Writes the inverse depth of the assumed surface to
+    /// Finds the pixels of a view that a surface from outside the recorded image may cover. Assumes that the
+    /// surfaces at the image border continue beyond it. Writes the assumed surface's inverse depth to
     /// SeenTile::maybe_inverse_z.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
@@ -34,8 +34,8 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// How far the lens can displace the image of a surface point: upper bound, in px, of the distance
-    /// between the point's positions in an added view and in the pinhole image.
+    /// Computes how far the lens can displace the image of a surface point from its position in the pinhole
+    /// image: an upper bound, in px, for all lens points passed to `add`.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();
@@ -49,15 +49,15 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of a border pixel in any view: `deepest_px` from the border into the image,
-        /// `sideways_px` along the border.
+        /// Largest displacement, over all views, of the surfaces at this border: `deepest_px` from the border
+        /// into the image, `sideways_px` along the border.
         double deepest_px = 0, sideways_px = 0;
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// A border pixel of the recorded image, as displaced in a view, in raster px: `along` is parallel to the
-    /// border, `across` perpendicular.
+    /// Position, in raster px, at which a view shows a border pixel of the recorded image: `along` is
+    /// parallel to the border, `across` perpendicular.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

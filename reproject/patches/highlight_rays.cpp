@@ -8,11 +8,11 @@
 namespace postlens {
 namespace {
 
-/// Number of rays per pixel towards highlights: 28 if the radiances of four test rays differ, otherwise 4.
-/// The mean leaves out the test rays, because they would bias it.
+/// Number of rays per pixel towards highlights. Four test rays decide: 28 further rays if their radiances
+/// differ, otherwise 4. The mean excludes the test rays, because they would bias it.
 constexpr int few_rays = 4, many_rays = 28;
-/// The radiances of a pixel's rays differ if, in some channel, their range exceeds this fraction of the
-/// largest one.
+/// The radiances of a pixel's rays differ if, in some colour channel, greatest minus least exceeds this
+/// fraction of the greatest.
 constexpr double differing = 1e-3;
 
 }  // namespace

@@ -18,9 +18,9 @@ class CheckedHighlights {
   public:
     std::vector<HighlightCheck> sums;  ///< per pixel
 
-    /// Compares `light`, the highlights' light in the image, with rays aimed at the highlights, and stores
-    /// the result in `sums`. First, a few rays decide how many rays each pixel needs; these few rays are only
-    /// counted, in `checks`.
+    /// Measures the error of `light`, the highlights' light in the image, by tracing rays towards the
+    /// highlights. Stores the result in `sums`. Test rays decide how many rays each pixel needs; `checks`
+    /// only counts these test rays.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Determines, for each pixel, which groups of moving objects may change the pixel. The result combines the
-/// bit masks of these groups (PatchField::class_marks).
+/// Determines which groups of moving objects may change each pixel. Each group has a bit mask
+/// (PatchField::class_marks). The result for a pixel combines the masks of its groups.
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -29,13 +29,12 @@ class MotionMarks {
     /// Returns whether any of the given patches (parts of visible surfaces) belongs to a wanted object. An
     /// object is wanted if its bit mask (PatchField::class_marks) has a bit of PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks the pixels of a tile in which a moving object was recorded. When the object moves away, it
-    /// uncovers the background there, so these pixels change. `mesh` holds the visible surfaces in the tile.
+    /// Marks the pixels of a tile in which a moving object was recorded: at other instants, the object leaves
+    /// these pixels and uncovers the background. `mesh` holds the visible surfaces in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which the view shows a moving object or no recorded surface. `seen` has one
-    /// element for each recorded instant from which the view is reprojected: two elements if the view blends
-    /// two instants.
+    /// Marks the pixels in which the view `v` shows a moving object or no recorded surface. `seen` holds the
+    /// surfaces that `v` shows. It has one element per element of PatchView::uses, i.e. one or two.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

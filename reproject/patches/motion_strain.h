@@ -11,11 +11,11 @@
 
 namespace postlens {
 
-/// While an object moves, the image of a part of its surface is stretched and bent. Computes the largest
-/// distortion of this part during the exposure. Used as PatchLens::motion.
+/// While an object moves, the image of a part of its surface is stretched and bent. Computes the most severe
+/// such distortion during the exposure (MotionStrain). Used as PatchLens::motion.
 struct StrainOfMotions {
-    /// The tested motions, at about `strain_views` instants of the exposure: views[i][g] moves the objects of
-    /// group g, which move alike, from the time of recording to instant i.
+    /// Objects that move alike form a group. views[i][g] is the motion of group g from the recorded instant
+    /// to the i-th of about `strain_views` instants of the exposure.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -19,8 +19,8 @@ constexpr double smallest_area = 1e-6;
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// The pixels of a tile that a patch may cover. In the patch's coordinates, sample i of row j lies at
-/// first(j) + i * (by_x, by_y).
+/// The pixels of a tile that a patch may cover, each with one sample. In coordinates of the patch, sample i
+/// of pixel row j lies at first(j) + i * (by_x, by_y).
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -112,8 +112,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends the colour quadtree of a pixel from `node` to the leaf that contains (x, y), the position in the
-/// pixel, from 0 to 1.
+/// A pixel's colours are stored in a quadtree. Descends from `node` to the leaf that contains (x, y), the
+/// position in the pixel, from 0 to 1. Returns the leaf.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -200,8 +200,8 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// Returns the rectangle of pixels, inside the rectangle `part` of a tile, that a planar patch may cover.
-/// Returns nothing if it covers none.
+/// Finds the pixels of a tile that a patch (planar part of a surface) may cover. Considers only pixels inside
+/// the rectangle `part`. Returns nothing if there are none.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -267,7 +267,8 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, because draw_patch_in reads samples from the tile's left border on.
+        // Clears the tile's whole row of pixels, even outside `part`, because draw_patch_in reads each row
+        // from the tile's left border on.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -296,8 +297,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Starts every row at the tile's left border, even if only pixels farther right are needed, so that
-    // sample positions are always rounded alike.
+    // Where a row starts affects the rounding of its sample positions. So every row starts at the tile's left
+    // border, even if only pixels farther right are needed.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

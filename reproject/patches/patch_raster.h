@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` that marks a reflection or refraction whose image moves too nonlinearly with the lens
-    /// point to be reprojected accurately (Patch::bent).
+    /// Bit in the elements of `texel`. It marks a reflection or refraction that cannot be reprojected
+    /// accurately, because its image moves too nonlinearly with the lens point (Patch::bent).
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// Padding for SIMD code, which reads 16 values at a time, even beyond the end of the last row.
@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Where the exact edge of a surface is unknown (SheetNode::maybe), the surface may or may not cover the
-    /// pixel. This is the inverse depth, in 1/m, of the nearest such surface; -1 if there is none.
+    /// For each pixel: inverse depth, in 1/m, of the nearest surface that may or may not cover the pixel,
+    /// because its exact edge is unknown (SheetNode::maybe). -1 if there is none.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -45,8 +45,8 @@ struct SeenTile {
     }
 };
 
-/// Position of an image tile, the size of the part of it that is used, and the position of the sample within
-/// each pixel.
+/// Position and size of a tile (square of the image), and the position in each pixel at which surfaces are
+/// sampled. A tile at the image border is smaller than SeenTile::edge.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
@@ -78,8 +78,8 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches a block that contains an
-    /// added pixel.
+    /// Returns whether the rectangle [x0, x1] x [y0, y1], in px of the tile, touches any block of 8 x 8 px
+    /// with a pixel passed to `add`.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -105,15 +105,15 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which surfaces seen by reflection or transmission are drawn, because a mirror or glass is
-/// visible there.
+/// The pixels that show a mirror or glass. Only in these pixels, surfaces seen by reflection or transmission
+/// are drawn.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty if there are none
     PixelBlocks blocks;
-    /// True if the mirror or glass is missing in some pixels, because it was not recorded. There, `in` stores
-    /// in_gap(id), with the id of the object in which the mirror or glass is seen.
+    /// The mirror or glass may be missing in a pixel, because it was not recorded. Then `any_gaps` is true,
+    /// and `in` stores in_gap(id of the object in which the mirror or glass would be seen).
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -129,13 +129,13 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Returns the bounding box, in px of the tile, of the pixels whose reflections or refractions are drawn
-/// separately from the mirror or glass.
+/// Finds the pixels whose mirror or glass has a reflection or refraction that is drawn as a separate surface.
+/// Returns the bounding box of these pixels, in px of the tile.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch that is seen in a mirror or through glass into the pixels of `wanted`, with a depth test.
-/// Leaves the patch out if reprojection stretches its pixels to more than `largest_torn_px` px. `out` must
-/// come from find_wanted.
+/// Leaves out a patch that reprojection magnifies more than `largest_torn_px` times. `out` must come from
+/// find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -8,8 +8,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // The 2x2 matrix W describes how a surface point's image moves with the lens point. Directly visible
-    // surfaces do not store it, because it is the unit matrix times the inverse depth 1/z' (p[0]).
+    // The 2x2 matrix W describes how a surface point's image moves with the lens point. For directly visible
+    // surfaces, W is the unit matrix times the inverse depth p[0], so it is not stored.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {

@@ -21,9 +21,9 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Returns the patch's bounding rectangle as seen from one lens point.
+    /// Returns the bounding rectangle of the patch (planar part of a surface) as seen from one lens point.
     /// - `lens`: the lens point (LensShift::lens_px)
-    /// - `shift`: displacement of infinitely distant points in the image, in px
+    /// - `shift`: displacement, in px, of the image of infinitely distant points
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -31,9 +31,9 @@ struct PatchReach {
     }
 };
 
-/// Computes the bounding rectangle of a patch (planar part of a surface) for all lens points.
+/// Prepares PatchReach for a patch (planar part of a surface): where its image may lie, for any lens point.
 /// - `farthest_px`: largest |x| and |y| of the lens points (LensShift::lens_px)
-/// - `shift_px`: largest displacement of infinitely distant points in the image
+/// - `shift_px`: largest displacement of the image of infinitely distant points
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Objects with the same motion form a group. Returns the number of the group with which a patch moves. A
-/// patch that is seen by reflection or transmission moves with its mirror or glass.
+/// Objects with the same motion form a group. Returns the number of the group with which a patch (planar part
+/// of a surface) moves. Reflected or transmitted patches move with their mirror or glass.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Computes rectangles that contain a patch (planar part of a surface) as seen from all lens points and at

@@ -13,16 +13,17 @@ namespace {
 /// Largest position error with which a blurred surface may be reprojected. It is a fraction of the surface's
 /// blur radius (the radius of its circle of confusion).
 constexpr double exact_share = 0.02;
-/// Depth errors must not make a hidden surface show through a surface closely in front of it. So depth tests
-/// treat the hidden surface as farther away: its inverse depth is reduced by at most this fraction.
+/// Because of depth errors, a hidden surface could show through a surface closely in front of it. So depth
+/// tests treat the hidden surface as farther away, and reduce its inverse depth by at most this fraction.
 constexpr double most_back = 0.02;
-/// If a surface's circle of confusion has at least this radius, in px, each recorded pixel of the surface is
-/// drawn in a single colour. If the circle is distorted to an ellipse, the smaller semi-axis counts.
+/// A surface whose circle of confusion has at least this radius, in px, is drawn in a single colour per
+/// recorded pixel, without finer detail. If the circle is distorted to an ellipse, the smaller semi-axis
+/// counts.
 constexpr double coarse_from_px = 6;
 
-/// Each pixel of a surface has its own plane: inverse depth, and possibly W, as linear functions of the
-/// position. Fits one plane to several pixels by least squares, at four points of each pixel, +-1/4 px from
-/// its centre.
+/// A surface stores `values` linear functions of the position for each of its pixels: inverse depth and, for
+/// reflections, W. For several pixels, fits one such set by least squares, at four points of each pixel,
+/// +-1/4 px from its centre.
 template <std::size_t values>
 class Fit {
   public:
@@ -52,8 +53,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted plane and the pixel's own plane, at four points of
-    /// the pixel. Compares only values that determine positions: W (motion with the lens point) if stored,
+    /// Returns the largest difference between the functions fitted to all pixels and those of this pixel, at
+    /// four points. Compares only values that determine positions: W (motion with the lens point) if stored,
     /// otherwise inverse depth.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
@@ -106,8 +107,8 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Calls `visit` for each pixel of a rectangle that the surface covers. Stops and returns false as soon
-    /// as `visit` returns false; otherwise returns true.
+    /// Calls `visit` for each pixel of a rectangle in which the surface is present. Stops and returns false
+    /// as soon as `visit` returns false; otherwise returns true.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -162,8 +163,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // Only directly visible surfaces (values == 1) are tested for distortion by motion, not those in
-        // mirrors or glass (values == 5).
+        // Tests only directly visible surfaces, which store one value per pixel, for distortion by motion.
+        // Surfaces in mirrors or glass store five.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -185,8 +186,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // The negated comparison also counts NaN as nonlinear. The product is NaN if `bend` is
-                // infinite and bend_px_m2 is 0.
+                // `bend`, the nonlinearity of the image's motion with the lens point, may be infinite. Its
+                // product with 0 is NaN, which the negated comparison counts as nonlinear.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -196,8 +197,9 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // Depth tests treat this surface as farther away, by the depth error that two patches may have
-            // together, 2 * within. With a small aperture, `within` is huge, so this distance is limited.
+            // A hidden surface must not show through the surface in front. So depth tests treat it as farther
+            // away, by both surfaces' depth errors, 2 * within. With a small aperture, `within` is huge, so
+            // this distance is limited.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -223,9 +225,9 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // If the lens point moves by q, the image of the surface point moves by (I / s - w) q, with the unit
-    // matrix I and the focus distance s. So the image of a circular lens is an ellipse, whose smaller
-    // semi-axis is given by the smaller singular value of I / s - w.
+    // If the lens point moves by q, the surface point's image moves by (I / s - w) q (I: unit matrix; s:
+    // focus distance; w: matrix W). So a circular lens gives an elliptical image. The smaller singular value
+    // of I / s - w gives its smaller semi-axis.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
     // std::hypot would be slower, and this code runs for every pixel of every surface. Overflow cannot happen
@@ -316,8 +318,8 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Returns the linear function that gives the inverse depth of a rectangular part of a patch: its value at
-/// the part's corner, and its slopes along x and y.
+/// Returns the inverse depth of a rectangular part of a patch, as a linear function: value at the part's
+/// corner, slope along x, slope along y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -362,8 +364,9 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // The bright point projects the patch onto the pixels. This projection is singular at the point's own
-        // depth and far from linear close to it, so patches there are divided.
+        // Rays from the bright point past this part of a surface project the part onto the pixels. The
+        // projection is singular at the point's own depth and far from linear close to it, so parts there are
+        // divided.
         const bool is_cell = part.width == 1 && part.height == 1;
         if (is_cell || high - light_per_m <= 2 * (low - light_per_m)) {
             PlacedPatch placed{part, {}};

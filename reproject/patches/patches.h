@@ -1,5 +1,5 @@
-// Divides the recorded surfaces into patches. A patch is so nearly planar that an affine map reprojects it to
-// another lens point or instant.
+// Divides the recorded surfaces into patches. A patch is so nearly planar that an affine map gives its image
+// as seen from another lens point or at another instant.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace postlens {
 
-/// Largest effect of motion during the exposure on the image of a patch (part of a surface): displacement per
-/// error of inverse depth (`px_m`), and deviation from an affine map (`bend_px`).
+/// Largest effects of motion during the exposure on the image of a patch (part of a surface). `px_m`:
+/// displacement caused by an error of inverse depth; `bend_px`: deviation of the motion from an affine map.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -38,7 +38,7 @@ struct PatchLens {
     double exact_px = 0.1;
     /// Each patch is drawn this many px larger on every side, to prevent cracks between neighbouring patches.
     double overlap_px = 0.02;
-    /// Returns the largest distortion of a part of a surface by motion during the exposure. Empty if nothing
+    /// Returns how much motion during the exposure distorts a part of a surface, at most. Empty if nothing
     /// moves.
     /// - `middle`: centre of the part
     /// - `slope`: gradient of the part's inverse depth, per px
@@ -47,8 +47,9 @@ struct PatchLens {
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the radius of the circle of confusion, in px. A curved mirror may distort the circle to an
-    /// ellipse; then its smaller semi-axis is returned. `w`: Record::w of the surface.
+    /// Returns the radius, in px, of a surface point's circle of confusion. A curved mirror may distort the
+    /// circle to an ellipse; then returns its smaller semi-axis. `w`: how the point's image moves with the
+    /// lens point (Record::w).
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -82,15 +83,16 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch: inverse depth and, if stored, xx, xy, yx and yy of Record::w, as linear functions of
-    /// the position (px from the patch's corner).
+    /// For each patch, linear functions of the position (px from the patch's corner): inverse depth and, if
+    /// stored, the entries xx, xy, yx and yy of the matrix Record::w.
     std::vector<CellPlane> planes;
     /// For each sheet (part of a surface): bits (child_bit) that tell whether its reflection and its
-    /// refraction are drawn as if painted on the surface. PatchLens::follow_px decides this.
+    /// refraction move with it, as if painted on it, instead of as separate surfaces. PatchLens::follow_px
+    /// decides this.
     std::vector<std::uint8_t> follows;
 
-    /// Returns bits (child_bit) that tell whether the texel's reflection and its refraction are drawn as
-    /// separate surfaces, because their images move differently from the mirror or glass.
+    /// A mirror's image may move differently from the mirror; then it is drawn as a separate surface. Returns
+    /// bits (child_bit) that tell whether this is so for the recorded colour's reflection and refraction.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
@@ -102,8 +104,8 @@ struct PatchMesh {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of the texel's reflection and refraction, as far as they are drawn as if painted
-    /// on the mirror or glass.
+    /// Some reflections and refractions are drawn as if painted on the mirror or glass, not as separate
+    /// surfaces. Returns their radiance in a recorded colour, `texel`.
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -115,8 +117,8 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns a recorded radiance, including reflections and refractions that are not drawn as separate
-    /// surfaces.
+    /// Returns the recorded colour `texel`, including reflections and refractions drawn as if painted on the
+    /// surface, not as separate surfaces.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
@@ -150,22 +152,24 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// Maps the offset of a pixel from `at`, in px, to the lens point through which the ray to this pixel
-    /// passes, in units of LensShift::lens_px.
+    /// The ray from the scene point to a pixel passes through a lens point. Maps the pixel's offset from
+    /// `at`, in px, to this lens point, in units of LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Computes which pixels of a scene point's circle of confusion a patch darkens: the map from the patch to
-/// the pixels whose rays it blocks, linearised at the patch's centre. Returns false if the map is singular.
+/// A patch (part of a surface) blocks rays from a scene point to some pixels of its circle of confusion.
+/// Computes the map from the patch to these pixels, linearised at the patch's centre. Returns false if the
+/// map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends to `out` the parts of a patch whose inverse depth exceeds `nearest_per_m`, so that they may hide a
-/// bright point. The bright point has the inverse depth `light_per_m`. Requires nearest_per_m >= light_per_m.
+/// Parts of a patch (planar part of a surface) may hide a bright point of inverse depth `light_per_m`.
+/// Appends to `out` those parts whose inverse depth exceeds `nearest_per_m`, which must be at least
+/// `light_per_m`.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 
