@@ -194,8 +194,7 @@ struct PatchPicture {
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
     /// Per pixel: fraction of the views, by PatchView::weight, in which a reflection or refraction is
-    /// missing. If the other views show that the missing light is darker than the pixel, this view counts
-    /// less.
+    /// missing. If even its brightest recorded value is darker than the pixel, the view counts less.
     std::vector<float> unknown_below;
     /// Per pixel: fraction of the views, by PatchView::weight, whose colour comes from a traced ray. Empty
     /// without a ray tracer.

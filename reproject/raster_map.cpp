@@ -36,9 +36,9 @@ dmat4 camera_from_raster(const SampleHeader& h) {
     const double scale =
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
-    // Maps raster position (x, y), in px, and depth z, in m, to a point in camera space. For a perspective
-    // camera, the matrix maps (x, y, 1, 1/z) to this point times 1/z. For an orthographic camera, it maps (x,
-    // y, z, 1) to the point itself.
+    // Raster position (x, y) is in px, depth z in m. For a perspective camera, the returned matrix maps (x,
+    // y, 1, 1/z) to the camera-space point, divided by z. For an orthographic camera, it maps (x, y, z, 1) to
+    // this point.
     return perspective
                ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
@@ -61,7 +61,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // An orthographic motion matrix acts on the depth z, so slopes of 1/z are converted to slopes of z.
+    // `slope` is the surface's gradient of 1/z over the raster. An orthographic camera's motion matrix acts
+    // on z, so the gradient is converted to that of z.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

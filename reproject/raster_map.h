@@ -55,8 +55,9 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// How a lens point displaces the image of a surface point, in px: `(I / s - w) lens_px + offset_px`.
-/// I: unit matrix; s: focus distance, m; w: I / depth if the point is seen directly, otherwise Record::w.
+/// Displacement of a surface point's image, in px, by the lens point `lens_px`: `(I / s - w) lens_px +
+/// offset_px`. I: unit matrix; s: focus distance, m; w: I / depth for a point seen directly, otherwise
+/// Record::w.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -66,13 +67,13 @@ struct LensShift {
 };
 
 /// Combines the motion of an object and the displacement of its image by the lens into one map. The object
-/// must be directly visible, because reflections have no such map. `motion` must belong to a perspective
-/// camera, unless `lens` causes no displacement.
+/// must be directly visible, because a reflection is displaced by another matrix, W. `motion` must belong to
+/// a perspective camera, unless `lens` causes no displacement.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// Returns the matrix from raster points to homogeneous camera coordinates, in m (x right, y up, looking
-/// along -z), at the frame's instant.
-/// Raster points are (x, y, 1, 1/z) for a perspective camera, (x, y, z, 1) for an orthographic one; z: depth.
+/// along -z), at the frame's instant. With depth z, the raster point is (x, y, 1, 1/z) for a perspective
+/// camera, (x, y, z, 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
 /// The motions of all objects, as seen on the raster. They are read from the sample file's header;
@@ -89,8 +90,9 @@ class FrameMotion {
     /// Replaces the rigid motion of one object in the world. The camera's motion stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the object's motion from one instant to another. The result maps raster positions and inverse
-    /// depths. It is exactly the identity if nothing moves. `id` 0 is the background at infinity.
+    /// Returns the object's motion from one instant to another. It maps a point's raster position and inverse
+    /// depth at `from_s` to those at `to_s`. It is exactly the identity if nothing moves. `id` 0 is the
+    /// background at infinity.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
     /// Returns the instants, in ascending order, at which the velocity of the object or the camera may change
     /// abruptly.

@@ -1,5 +1,5 @@
-// Sums, per pixel of a tile, the radiance of directly visible surfaces over all views (images for one lens
-// point and instant).
+// A view is the image for one lens point and instant. For each pixel of a tile, sums the radiance of directly
+// visible surfaces over all views.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// For each pixel of a tile: the sums of weight * r, weight * g, weight * b and weight over all views (images
-/// for one lens point and instant). Each view has its own weight.
+/// A view is the image for one lens point and instant; each has its own weight. For each pixel of a tile: the
+/// sums, over all views, of weight * r, weight * g, weight * b and weight.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -21,8 +21,8 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours of one view (image for one lens point and instant) in the first `width` x `height` pixels
-/// of a tile to `sums`. Stores in `with_children` which of these pixels show a surface with reflections or
+/// A view is the image for one lens point and instant. Adds a view's colours to `sums`, in the first `width`
+/// x `height` pixels of a tile. Lists in `with_children` those pixels that show surfaces with reflections or
 /// refractions.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);

@@ -22,7 +22,8 @@ int tiles(int px) {
 /// Sort key of a patch (part of a surface): first by its sequence of reflections and transmissions, then from
 /// near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // Float bits are ordered like their values, negative ones in reverse; adding 0 turns -0 into +0.
+    // Converts inverse depth to an integer of the same order: float bits are ordered like their values,
+    // negative ones in reverse. Adding 0 turns -0 into +0.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
     const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
@@ -59,8 +60,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // When a moving patch leaves its recorded position, it may uncover the background there. So the
-            // area that the patch sweeps includes its recorded position.
+            // When a moving patch leaves its recorded position, it may uncover the background there. So this
+            // position is added to the area that the patch sweeps.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -28,7 +28,8 @@ struct PatchChain {
     std::size_t begin = 0, end = 0;
 };
 
-/// All patches (parts of surfaces) that any view may show in a rectangle of a tile.
+/// For each recorded instant: all patches (parts of surfaces) that may appear in a rectangle of a tile, for
+/// any lens point.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
     std::vector<std::vector<PatchChain>> chains;  ///< for each instant, the chains of `deeper`
@@ -52,16 +53,16 @@ class PatchBins {
     /// rectangle `rect` of a tile. Empties the lists of reflected and transmitted patches; gather_chains
     /// fills them.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Returns whether more than `most` patches that are seen by reflection or transmission may appear in a
-    /// rectangle of a tile, at any one recorded instant.
+    /// Counts the patches (parts of surfaces) seen by reflection or transmission that may appear in the
+    /// rectangle `rect` of a tile. Returns whether any recorded instant has more than `most`.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Adds the patches in `rect` that are seen by reflection or transmission. They are grouped by sequence
-    /// of bounces; groups may be empty.
+    /// Adds the patches (parts of surfaces) that may be seen in `rect` by reflection or transmission. Patches
+    /// with the same sequence of bounces form a group; groups may be empty.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches (planar parts of surfaces) that some view may show in a tile. `pixels` states in which of
-    /// the tile's pixels each may appear.
+    /// The patches (planar parts of surfaces) that may appear in a tile, for any lens point or instant.
+    /// `pixels`: for each patch, the rectangle of pixels in which it may appear.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -76,13 +77,14 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// For each tile, lists the patches that some view may show in it. Mirrors come before the surfaces that
-    /// are seen in them. Then near patches come before far ones, so that depth tests reject hidden patches
-    /// early.
+    /// Lists, for each tile, the patches (parts of surfaces) that may appear in it. Mirrors come before the
+    /// surfaces seen in them. Otherwise, near patches come before far ones, so that depth tests reject hidden
+    /// patches early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     static void begin(const PatchMesh& mesh, TilePatches& out);
-    /// Copies a patch to contiguous memory, because every view reads all patches of the tile.
+    /// Copies a patch to contiguous memory, which is faster to read: all patches of a tile are read for every
+    /// lens point.
     void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;
 
     const PatchField& field_;

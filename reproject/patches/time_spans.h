@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The first and last view within a time span of 1/64 of the exposure.
+/// First and last view (image for one lens point and instant) of one time span: 1/64 of the exposure.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

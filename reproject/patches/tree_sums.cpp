@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Views that lack a reflected surface get the mean of the views that show it. If less than this fraction of
-/// the views shows it, the radiance seen from the pinhole is blended into this mean.
+/// If a view lacks a reflected surface, the mean of the views that show it is used. If less than this
+/// fraction shows it, the radiance seen from the pinhole is blended into this mean.
 constexpr double enough_known = 0.25;
 
 }  // namespace

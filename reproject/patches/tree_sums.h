@@ -30,34 +30,35 @@ class TreeSums {
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins a view, as reprojected from one recorded instant.
+    /// Begins a view (image for one lens point and instant), separately for each recorded instant that it
+    /// blends.
     /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
     /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
     /// Call before drawing the surfaces that are seen by `path`, a sequence of reflections and transmissions.
-    /// Writes the pixels that need these surfaces to `wanted`, and returns the tile to draw into, or null if
-    /// no pixel needs them. Call for shorter paths first, because mirrors and glass are drawn before the
-    /// surfaces seen in them.
+    /// Call for shorter paths first, because a mirror must be drawn before the surfaces seen in it. Stores in
+    /// `wanted` which pixels may show these surfaces, and returns the tile to draw into, or null if no pixel
+    /// may.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether recorded surfaces determine the reflected and refracted light of pixel k. For this,
     /// all surfaces seen by reflection or refraction must be recorded, have no edge in the pixel, and be
     /// reprojected accurately.
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the light of pixel k that comes from separately drawn reflections and refractions. Call only
-    /// if sure(k) is true.
+    /// Returns the light of pixel k from reflections and refractions that are drawn as separate surfaces.
+    /// Call only if the records determine this light, i.e. sure(k) is true.
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds the reflections and refractions in pixel k to `sum`, which stores radiance times `weight`.
-    /// Returns the weight of the views that lack a reflection or refraction; a view counts less if the
-    /// missing light is darker than the pixel.
+    /// Returns the summed weight of those views that lack a reflection or refraction. If the missing light is
+    /// darker than the pixel, its view counts less.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Sum over all views of the surface's radiance times the view's weight. The radiance includes
-        /// reflections that are drawn as if painted on the surface.
+        /// Sum over all views that show the surface: radiance times the view's weight. The radiance includes
+        /// reflections that are drawn as if painted on the surface, not separately.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};  ///< weight times the pinhole's radiance, for views that lack the surface
@@ -88,11 +89,12 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// The mirror or glass of `chain` is missing in pixel k, but the surfaces seen in this mirror or glass
-    /// may have been drawn. Adds these surfaces, and returns whether there are any.
+    /// Pixel k lacks the mirror or glass seen by the path of `chain`, but may show surfaces seen in it. Adds
+    /// these surfaces to the pixel's sums, and returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object in which the surface of `chain` is seen in pixel k. If this mirror or
-    /// glass is missing there, returns the id of the object in which the mirror or glass is seen, and so on.
+    /// Returns the id of the object, visible in pixel k, in which the surface seen by the path of `chain` is
+    /// reflected or transmitted. If this object is missing there, returns the object before it on the path,
+    /// and so on.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);

@@ -17,8 +17,8 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Returns whether the records determine the directly visible surface in pixel `k`: no edge crosses its
-/// quadtree cell, and no nearer surface may hide it. `u` (0 or 1): index of the recorded instant.
+/// Returns whether the directly visible surface in pixel `k` is certain: no edge crosses the quadtree cell
+/// that the pixel shows, and no nearer surface may hide it. `u` (0 or 1): index of the recorded instant.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);
@@ -63,8 +63,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // Avoids a branch, which would often be mispredicted: every pixel is written, but only doubtful
-            // pixels advance `count`.
+            // Every pixel is written to the list, but only pixels without a certain colour advance `count`.
+            // This avoids a branch, which would often be mispredicted.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

@@ -1,6 +1,5 @@
-// Selects the pixels of single views (images for one lens point and instant) in which rays are traced. The
-// rays replace colours that the recorded surfaces do not determine, or measure the error of the other
-// colours.
+// A view is the image for one lens point and instant. Selects pixels of single views in which rays are
+// traced. Rays replace uncertain colours, for example at edges, or measure the error of the other colours.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +17,8 @@
 
 namespace postlens {
 
-/// The surfaces that one view (image for one lens point and instant) shows in a tile. A view that blends two
-/// recorded instants has one SeenTile for each.
+/// The surfaces that one view (image for one lens point and instant) shows in a tile. `seen` has one
+/// SeenTile, or two if the view blends two recorded instants.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -29,13 +28,13 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that pixel `k` shows. A view may blend two recorded instants; `u` (0 or
-    /// 1) selects one of them.
+    /// Returns the id of the object that pixel `k` shows at a recorded instant. A view may blend two recorded
+    /// instants; `u` (0 or 1) selects one of them.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Returns the weight of the colour from recorded instant `u` (0 or 1) in pixel `k`. If both show
-    /// different surfaces, usually only the nearer counts.
+    /// Returns the weight of the colour from recorded instant `u` (0 or 1) in pixel `k`. Of two different
+    /// surfaces, only the nearer counts, or the farther if the nearer one has_vague_outline.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -46,10 +45,11 @@ struct ShownView {
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
     /// A view may blend two recorded instants. Returns whether instant `u` (0 or 1) has the less precise
-    /// outline of the object in pixel `k`, because the object appeared smaller at that instant.
+    /// outline of the object in pixel `k`. The object appears smaller at this instant, so fewer samples
+    /// recorded its outline.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
-    /// Returns whether light through the lens point of this view reaches a pixel, or vignetting blocks it.
-    /// (x, y) is the pixel's position in the tile.
+    /// Returns whether light through the lens point reaches pixel (x, y) of the tile. Otherwise, vignetting
+    /// blocks it.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
@@ -57,8 +57,8 @@ struct ShownView {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
 
-    /// Two recorded instants show the same surface if the ids are equal and the inverse depths differ by at
-    /// most this fraction.
+    /// A pixel shows the same surface at two recorded instants if the ids are equal and the inverse depths
+    /// differ by at most this fraction.
     static constexpr float same_depth = 0.02F;
 };
 
@@ -70,20 +70,21 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// `with_trees` counts samples that show a mirror or glass. `with_sure_trees` counts only those with
-    /// accurately recorded reflections and refractions, which need no ray.
+    /// `with_trees`: number of samples that show a mirror or glass. `with_sure_trees`: number of those that
+    /// need no ray, because their reflections and refractions are recorded accurately.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// Bits 0 and 1 of each pixel stand for the one or two recorded instants of a view. A bit is set if a ray
-    /// replaces the colour from this instant.
+    /// A view's colour comes from one recorded instant or is blended from two. Bits 0 and 1 of each pixel
+    /// stand for these instants. A set bit means that a ray replaces the instant's colour.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Schedules rays for the pixels in which the directly visible surface is uncertain, for example at an
     /// edge. If objects move, also schedules rays for all pixels with mirrors or glass, because a reflection
     /// moves differently from its mirror.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Schedules rays for the pixels with mirrors or glass whose reflections or refractions are missing or
-    /// inaccurate. `trees` holds these reflections and refractions, as seen at recorded instant `u` (0 or 1).
+    /// Selects the pixels with mirrors or glass whose reflections or refractions are missing or inaccurate,
+    /// and adds a ray for each to the list. `trees` holds these reflections and refractions, as seen at
+    /// recorded instant `u` (0 or 1).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -103,15 +104,16 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// Measures the error of recorded colours. In selected pixels of single views, it compares them with traced
-/// rays (check rays), which do not change the image.
+/// Measures the error of recorded colours. Compares them with traced rays (check rays) in selected pixels,
+/// separately for single lens points and instants. The rays do not change the image.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the recorded colours of a view in the pixels that PatchViews::checked selects, to compare them
-    /// with rays later. Call once for each recorded instant `u` of the view.
+    /// Stores the recorded colours of a view (image for one lens point and instant) in the pixels that
+    /// PatchViews::checked selects. Later, `check` compares them with rays. Call once for each recorded
+    /// instant `u` of the view.
     /// - `number`: index of the view in PatchViews::views
     /// - `trees`: reflections and refractions; null if none are drawn
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,

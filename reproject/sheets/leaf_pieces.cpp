@@ -63,8 +63,8 @@ void LeafPieces::add_leaf(std::uint32_t index, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, cell, index);
         return;
     }
-    // The ray through a corner of the quadtree cell may hit the same surface several times. Group n consists
-    // of the n-th nearest hits at the four corners.
+    // The ray through a corner of this quadtree cell may hit the same surface several times. Group n consists
+    // of each corner's n-th nearest hit. Each group becomes a separate piece.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {

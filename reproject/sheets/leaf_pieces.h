@@ -1,4 +1,4 @@
-// Divides the quadtree cells in a raster square into pieces that each show one surface.
+// Divides the quadtree cells of the pixels in a raster square into pieces that each show one surface.
 #pragma once
 
 #include <array>
@@ -13,28 +13,27 @@
 
 namespace postlens {
 
-/// A square of at most 16 x 16 px. It lies in a strip of the raster that is `band_width` px wide and `rows`
-/// px high, and covers the strip's columns [first_pixel, last_pixel).
+/// A square of at most 16 x 16 px of the raster. It covers the columns [first_pixel, last_pixel) of a strip
+/// of the raster. The strip is `band_width` px wide and, like the square, `rows` px high.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A quadtree cell, or a quarter of one. It shows a single surface.
+/// A quadtree cell that shows one surface, or a quarter of a cell that shows several.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// How many ray hits `node` stores: 4, at the corners of the piece, or 1, at (at_x, at_y) in px from the
-    /// pixel's corner.
+    /// How many ray hits on the surface `node` lists: 4, at the corners of this piece of a cell, or 1, at
+    /// (at_x, at_y) in px from the pixel's corner.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// True if an edge crosses the quadtree cell, and the surface may be absent from the quarter of the cell
-    /// that this piece covers.
+    /// True if the surface may be absent from this piece: a quarter of a quadtree cell that an edge crosses.
     bool maybe = false;
 };
 
@@ -48,8 +47,9 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) once for each surface in the square, in ascending order of keys. `pieces` are
-    /// the quadtree cells, or quarters of cells, that show the surface. Call once after each `collect`.
+    /// Calls take(key, pieces) once for each surface in the square passed to `collect`, in ascending order of
+    /// keys. `pieces` are the quadtree cells, or quarters of cells, that show the surface. Call once after
+    /// each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -98,9 +98,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface: `key_pieces_` is the number of cells, or quarters of cells, that show the surface.
-    /// sort_pieces replaces this number by the index at which these pieces end in `sorted_`. `key_group_` is
-    /// the index of the surface's first group.
+    /// For each surface: `key_pieces_` is the number of its elements in `pieces_`. sort_pieces, which groups
+    /// pieces by surface in `sorted_`, replaces it by the index at which the surface's pieces end.
+    /// `key_group_`: index of its first element in `groups_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Largest slope between neighbouring ray hits on one surface: tangent of the angle to the film. A sphere of
-/// 1600 px radius is steeper only within 0.5 px of its outline.
+/// Largest slope of one surface against the film (tangent of the angle), between neighbouring ray hits. A
+/// sphere of 1600 px radius is steeper only within 0.5 px of its outline.
 constexpr double steepest_slope = 40;
 
 /// Combines the records of one eye ray in one layer (0: visible, 1 or more: hidden) into a surface. The
@@ -33,8 +33,9 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // near and far are inverse depths, so the depths of the two hits differ by 1 / far - 1 / near. Parallel
-    // to the film, the hits are across / far apart. The slope is the quotient, (near - far) / near / across.
+    // Two rays are `across` apart at depth 1, so across / far apart at the farther hit. The hits' depths
+    // differ by 1 / far - 1 / near (near, far: inverse depths). The slope is the quotient, (near - far) /
+    // near / across.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -47,8 +48,8 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// For each eye ray, calls take(visible, first, last) for its visible surface and each hidden one, then
-/// done().
+/// For each eye ray, calls take(visible, first, last) for its visible surface and each hidden surface, which
+/// has the records [first, last). `visible`: the ray's first record. Then calls done().
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -63,7 +64,7 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
         // The records of a pixel are sorted by layer (0 for visible surfaces, 1 and more for hidden ones),
-        // and within a layer by (y, x).
+        // and within a layer by the position of their eye ray, (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -93,8 +94,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// Returns the record of [first, last) that is seen by the sequence `path` of reflections and transmissions,
-/// or null if there is none.
+/// The records [first, last) are sorted by path. Returns the surface that is seen by `path`, a sequence of
+/// reflections and transmissions, or null if it is not recorded.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -129,8 +130,8 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the 2x2 matrix W, in 1/m, which describes how the image of a surface point moves with the lens
-/// point. For a point seen directly, it is the unit matrix divided by the point's depth.
+/// Returns the matrix W, in 1/m, of a surface point: how its image on the raster moves with the lens point.
+/// For a point seen directly, it is the unit matrix divided by the point's depth.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
@@ -214,8 +215,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // Finds the end of the records of the visible surface and its reflections: the first
-                    // record of another position or of a hidden layer.
+                    // Finds the end of the records of this eye ray's visible surface and its reflections: the
+                    // first record of another ray (x, y) or of a hidden layer.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

@@ -29,15 +29,15 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// Combined flags (Record::mark) of the surfaces that are seen in this surface: [0] by reflection, [1] by
-    /// transmission.
+    /// The surface may show other surfaces by reflection [0] and by transmission [1]. Stores the combined
+    /// flags (Record::mark) of these.
     std::array<std::uint8_t, 2> marks_below{};
-    /// Radiance that this surface reflects ([0]) and transmits ([1]) towards the eye, including light that
-    /// arrives after further reflections and refractions.
+    /// Radiance that comes from this surface to the eye by reflection ([0]) and transmission ([1]). Includes
+    /// light that arrives there after further reflections and refractions.
     std::array<std::array<float, 3>, 2> below{};
-    /// When the lens point moves, the reflection [0] and refraction [1] move differently from this surface.
-    /// Stores the largest difference, in 1/m like W, or infinity if the light is so bright that it must be
-    /// drawn separately.
+    /// The matrix W describes how an image moves with the lens point. Stores the largest difference, in 1/m,
+    /// between this surface's W and that of its reflection [0] or refraction [1]; infinity if that light is
+    /// too bright to be drawn with the surface.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -45,11 +45,10 @@ struct TreeSurface {
 }
 
 /// Returns whether two eye rays may hit one continuous surface: the line between their hits is inclined to
-/// the film by at most 88.6 degrees.
-/// `across` is the distance between the rays on the film, divided by the film distance. For an orthographic
-/// camera, it is in m.
+/// the film by a slope of at most 40 (88.6 degrees). `across`: distance between the rays on the film, divided
+/// by the film distance. For an orthographic camera, it is the distance between the rays, in m.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Returns the width of a pixel in the units of `across` above: divided by the film distance or, for an
+/// Returns the width of a pixel as is_one_surface needs it: divided by the film distance or, for an
 /// orthographic camera, in m.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
