@@ -1,5 +1,5 @@
-// Interface to a ray tracer. Its rays replace pixels of single views (images for one lens point and instant)
-// whose colours the records do not determine.
+// Interface to a ray tracer. A view is the image for one lens point and instant. Where the sample file does
+// not determine a view's colour, a traced ray replaces it.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ struct SightLine {
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the ray's random numbers. Rays of the same `set` with different `view` have stratified samples
-    /// of lights and scattering lobes. Rays of different sets are independent.
+    /// Seed of the ray's random numbers. `set` numbers independent sets of rays. Within a set, rays that
+    /// differ in `view` have stratified samples of lights and scattering lobes.
     std::uint32_t set = 0, view = 0;
 };
 
-/// Returns the ray through the centre of the lens and raster position `at`, in px, at the middle of the
-/// exposure.
+/// Returns the ray through the centre of the lens and the raster position `at`, in px. Its instant is the
+/// middle of the exposure.
 inline SightLine line_through(const glm::dvec2& at) {
     const glm::dvec2 pixel = glm::floor(at);
     return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
@@ -38,8 +38,8 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// highlights, so it would be counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether radiance beyond the limit `above` is left out of the traced radiance. If not set,
-    /// nothing is left out.
+    /// Returns whether the surface's radiance beyond `above` is left out of the traced radiance. An empty
+    /// function leaves nothing out.
     /// - `path`: the reflections and transmissions by which the surface is seen
     /// - `parent_id`: the mirror or glass in which the surface is seen
     /// - `at`: raster position, in px, of a directly visible surface
@@ -64,13 +64,13 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Computes each ray's scene-linear RGB radiance. Leaves out the bright light that `less` describes,
-    /// because the image gets this light from the lens's point spread function. Thread-safe; rays do not
+    /// Computes each ray's scene-linear RGB radiance. Leaves out surfaces' radiance above a limit, as
+    /// described by `less`: the lens's point spread function adds it to the image. Thread-safe; rays do not
     /// affect each other's results.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Computes, for ray i, only the bright light of surface of[i] that `less` describes, i.e. the light that
-    /// `trace` leaves out.
+    /// `trace` leaves out surfaces' radiance above a limit, as described by `less`. Computes only this part
+    /// of the radiance: for each ray lines[i], that of the surface of[i].
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -78,11 +78,12 @@ class SightRays {
     /// inverse depth, in 1/m per px. 0 for a miss. Thread-safe. Only for static scenes.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// True if a point of the object has the same radiance for all rays that reach it by `path`. False if the
-    /// radiance is estimated from random samples of lights or scattering lobes.
+    /// True if all rays that reach a point of the object by `path`, a sequence of reflections and
+    /// transmissions, get the same radiance from it. False if its radiance is estimated from random samples
+    /// of lights or scattering lobes.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns how many reflected or transmitted patches (planar parts of surfaces) can be drawn in the time
-    /// that one ray takes. If a pixel would need more patches, rays are traced instead.
+    /// A pixel's reflections can be drawn from recorded patches (planar parts of surfaces), or computed by
+    /// tracing a ray. Returns the number of patches up to which drawing is faster.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

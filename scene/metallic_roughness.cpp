@@ -43,8 +43,9 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // If alpha is below 1, some light passes straight through the surface (`through`) and must stay
-        // sharp. Transmission has only one exponent, so in this case roughness blurs no transmitted light.
+        // If alpha is below 1, the part `through` of the light passes straight through the surface and must
+        // stay sharp. The one exponent of transmission applies to all transmitted light, so then none is
+        // blurred.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

@@ -72,7 +72,7 @@ std::vector<MeshEdge> edges_of(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges) {
-    // Union-find: connected triangles form a tree whose root is the first of them.
+    // Union-find: connected triangles form a tree. Its root is the triangle with the lowest index.
     std::vector<std::uint32_t> parent(mesh.triangles.size());
     std::iota(parent.begin(), parent.end(), 0U);
     const auto root = [&](std::uint32_t t) {

@@ -1,5 +1,5 @@
-// The parts of objects: the shapes of a compound object, or the connected parts of a mesh, such as leaves.
-// They have the same id, but there may be gaps between them.
+// Divides objects with one id into parts: the shapes of a compound object, or the connected parts of a mesh,
+// such as leaves. There may be gaps between parts.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions. Of equal
-/// positions, an edge stores the lowest index. An edge of triangles 2, 5 and 9 is listed twice: for 2 and 5,
-/// and for 5 and 9.
+/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions; of several equal
+/// positions, the one with the lowest index is stored. An edge with more than two triangles is listed once
+/// per pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs, or an empty list if the mesh has a single part.

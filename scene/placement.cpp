@@ -11,8 +11,8 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns of the matrix m whose `length` is almost 0 compared with `longest`, because they have no
-// reliable direction. The new columns are unit vectors, perpendicular to the other columns.
+// A column of `m` whose length is almost 0, compared with the length of the longest column, has no reliable
+// direction. Replaces it by a unit vector perpendicular to the other columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;

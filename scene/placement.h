@@ -20,9 +20,9 @@ struct Placement {
 /// A mirroring matrix gives a negative scale along x, and a singular matrix a scale of 0.
 struct Decomposed {
     Placement placement;
-    /// Error of the decomposition. The matrix of `placement` (translation, rotation and scale) may differ
-    /// from the decomposed matrix, because it cannot contain shear. The error is the largest distance between
-    /// their columns, relative to the longest column.
+    /// A Placement (translation, rotation, scale) cannot contain shear, so its matrix may differ from the
+    /// decomposed matrix. The error is the largest distance between corresponding columns, relative to the
+    /// longest column.
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);

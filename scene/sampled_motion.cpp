@@ -10,7 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// The error of interpolation between two keyframes is measured at looks - 1 = 7 evenly spaced times.
+// Divides the time between two keyframes into this many equal steps. The error of the interpolated placement
+// is measured at the 7 times between the steps.
 constexpr int looks = 8;
 
 struct Sampler {

@@ -145,8 +145,9 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera, at most one of the next three is set.
-    /// `focal_length_mm` is also the distance from lens to film, as for a lens focused at infinity.
+    /// A perspective camera has at most one of focal_length_mm, horizontal_fov_degrees and
+    /// vertical_fov_degrees. `focal_length_mm` is then also the distance from lens to film, as for a lens
+    /// focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;

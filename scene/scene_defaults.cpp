@@ -48,7 +48,7 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
     return camera;
 }
 
-// Default direction to the camera, from the right and above. It shows a floor not edge-on,
+// Default direction from the scene to the camera: from the right and above. A floor is then not seen edge-on,
 // and the visible sides of a box differ in brightness.
 const dvec3 usual_side = glm::normalize(dvec3(0.3, 0.4, 1));
 

@@ -7,8 +7,9 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// The colour range of a rectangle of texels is read from at most this number of squares along each edge. A
-/// square is one texel if the rectangle is small enough, else a precomputed square of 4, 8, ... texels.
+/// The colour range of a rectangle of texels combines the ranges of squares: single texels or precomputed
+/// squares of 4, 8, ... texels. These are so large that the rectangle is at most this many squares wide and
+/// high.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -73,9 +74,9 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Wraps or clamps the position of each texel, and only then finds the square of texels that contains it.
-    // Indices of squares cannot be wrapped, because the last square of a row may contain fewer texels than
-    // the others.
+    // For each position of a texel, finds the precomputed square of texels that contains it. Positions are
+    // wrapped, not indices of squares, because the last square of a row may contain fewer texels than the
+    // others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

@@ -23,8 +23,8 @@ struct ColourRange {
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Computes the colour ranges of squares of texels, for an image of `width` x `height` texels. Keeps no
-    /// reference to `rgb`.
+    /// Computes the colour ranges (least and greatest value per channel) of squares of texels, for an image
+    /// of `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
     /// Returns the least and greatest colour of the texels in columns x_first to x_last and rows y_first to

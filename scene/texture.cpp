@@ -16,8 +16,8 @@ namespace {
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // `quotient` is rounded, so close to the border of a cell its floor may be the wrong cell. There, the
-    // sign of the exact remainder decides (Knuth's two-sum and fma).
+    // `quotient`, the position in units of cells, is rounded, so close to the border of a cell its floor may
+    // be wrong. There, the sign of the remainder decides, computed exactly (Knuth's two-sum and fma).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -126,8 +126,9 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Converts the box from `low` to `high` to texels, counted from the upper left corner of the image. Texel
-    // centres are at half-integers, so bilinear interpolation reads up to half a texel beyond the box.
+    // Converts the box from `low` to `high` from texture coordinates to texels, counted from the image's
+    // upper left corner. Texel centres are at half-integers, so bilinear interpolation reads up to half a
+    // texel beyond the box.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

@@ -12,11 +12,12 @@
 
 namespace postlens {
 
-/// A checker pattern. The colour is `even` if the sum of the cell indices is even.
-/// The cell of coordinate c is floor((c - offset) / size), without rounding error.
+/// A checker pattern. The colour is `even` if the sum of the cell indices along all axes is even, otherwise
+/// `odd`. The index for coordinate c is floor((c - offset) / size), without rounding error.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
-    /// length of a checker cell, in object-space metres or in (u, v); infinite if the axis has no borders
+    /// for each axis, length of a checker cell, in object-space metres or in (u, v); infinite if the pattern
+    /// is constant along the axis
     glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
@@ -24,7 +25,8 @@ struct Checker {
 
 /// An image over the unit square of (u, v), where u points right and v points up.
 /// - u: repeated unless `clamp_u` is set
-/// - v: repeated if `wrap_v` is set or `repeat.y` is not 1, otherwise clamped (a sphere's poles do not mix)
+/// - v: repeated if `wrap_v` is set or `repeat.y` is not 1, otherwise clamped, so that colours at a sphere's
+///   two poles do not mix
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
@@ -57,8 +59,8 @@ class Texture {
         return colour(place, glm::dvec2(place));
     }
     /// Returns the range of all colours that the texture has in the box with the corners `low` and `high`. If
-    /// `low` and `high` are half an image or more apart, a seam of the texture coordinates probably lies
-    /// between them. Then only the colours at these two corners are included.
+    /// an image's texture coordinates of the corners are half an image or more apart, a seam of the
+    /// coordinates probably lies between them. Then only the corners' colours are included.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -30,8 +30,7 @@ class TreeSums {
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Begins a view (image for one lens point and instant), separately for each recorded instant that it
-    /// blends.
+    /// Begins a view (image for one lens point and instant), separately for each recorded instant it uses.
     /// - `deeper_mesh`: surfaces seen by reflection or transmission; may be null
     /// - `primary`: the surface that each pixel shows directly; must stay valid until all pixels are added
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);

@@ -64,7 +64,7 @@ void LeafPieces::add_leaf(std::uint32_t index, int cell) {
         return;
     }
     // The ray through a corner of this quadtree cell may hit the same surface several times. Group n consists
-    // of each corner's n-th nearest hit. Each group becomes a separate piece.
+    // of each corner's n-th nearest hit.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {

@@ -33,7 +33,8 @@ struct LeafPiece {
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// True if the surface may be absent from this piece: a quarter of a quadtree cell that an edge crosses.
+    /// True if this piece is a quarter of a quadtree cell that an edge crosses, and the surface may be absent
+    /// from the piece.
     bool maybe = false;
 };
 

@@ -48,8 +48,8 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// For each eye ray, calls take(visible, first, last) for its visible surface and each hidden surface, which
-/// has the records [first, last). `visible`: the ray's first record. Then calls done().
+/// For each eye ray, calls take(visible, first, last) for each of its surfaces, then done(). `visible`: the
+/// ray's first record; [first, last): the surface's records.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {

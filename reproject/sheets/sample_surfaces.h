@@ -63,9 +63,9 @@ struct SampleSurfaces {
 /// `points`: the eye rays, read from `band`, from row y_begin on
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// All hits of eye rays, and of their reflections and refractions. The hits of ray i are the elements
-/// [offsets[i], offsets[i + 1]) of `nodes`. They are sorted by layer from near to far, then by the sequence
-/// of reflections and transmissions.
+/// All surfaces that eye rays hit, directly or after reflections and refractions. Ray i has the elements
+/// [offsets[i], offsets[i + 1]) of `nodes`: first the visible surface (layer 0), then hidden ones (layers 1,
+/// 2, ...). Within a layer, they are sorted by the sequence of reflections and transmissions.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
@@ -74,8 +74,8 @@ struct SampleTrees {
 
 /// Finds all surfaces that eye rays hit, directly (`primary`) or by reflection and transmission (`deeper`).
 /// - `points`: the eye rays, read from `band`, from row `y_begin` on
-/// - `bright_above`: radiance above which a reflection or refraction is drawn separately from its mirror or
-///   glass
+/// - `bright_above`: a reflection or refraction of higher radiance must be drawn as a separate surface, not
+///   with its mirror or glass
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

@@ -272,8 +272,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The cells in this quarter must be consecutive. They usually are, because the cells come in quadtree
-        // order; otherwise, a stable partition moves them together.
+        // Moves the cells inside this quarter of the current cell together, because the recursion takes a
+        // range of cells. They usually are together already, because the cells come in quadtree order.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -1,4 +1,5 @@
-// Builds sheets, i.e. the surfaces within one square of the raster, from the quadtrees of its pixels.
+// Builds sheets from the quadtrees of raster pixels. A sheet is the part of one surface within a square of 16
+// x 16 px.
 #pragma once
 
 #include <array>
@@ -14,8 +15,8 @@
 
 namespace postlens {
 
-/// Builds sheets (surfaces within a square of the raster) from the ray hits at the corners of quadtree cells.
-/// Parts of an object with very different depths become different sheets.
+/// Builds sheets from the ray hits at the corners of quadtree cells. A sheet is a surface within a square of
+/// 16 x 16 px. Parts with very different depths become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -27,8 +28,8 @@ class SheetBuilder {
     /// True if the colours at the corners of the quadtree cell differ so much that the edge of a shadow or
     /// texture must cross it.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Returns the flags (RecordMark) that are set at all four corners of the quadtree cell, for example the
-    /// flag for texture that is finer than the samples.
+    /// Returns the flags (RecordMark) that all ray hits of this piece of a quadtree cell have, for example
+    /// for texture finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -39,15 +40,15 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns all highlights with index `first_light` or higher to the texel that was added last. `area` is
-    /// the area of the texel's quadtree cell, in px^2.
+    /// Each texel is the colour of a quadtree cell. Assigns the highlights of `bright` from index
+    /// `first_light` on to the last texel added. `area`: area of the texel's cell, in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
     /// A sheet (surface within a square of 16 x 16 px) that is being built. `cells` lists its pixels as
-    /// indices y * 16 + x in the square, in ascending order. `fine`, `coarse`, `planes` and `bends` have the
-    /// same order.
+    /// indices y * 16 + x in the square, ascending. In the same order, `fine`, `coarse`, `planes` and `bends`
+    /// are those of SheetMesh.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

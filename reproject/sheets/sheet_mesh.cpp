@@ -22,12 +22,12 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Bytes of joined lists above which the memory of the separate lists is returned to the system. Below,
-/// returning it is not worth the time.
+/// Each parallel task builds lists, which are then joined. If the joined lists exceed this size in bytes, the
+/// tasks' lists are returned to the system. Below, this is not worth the time.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the surfaces that several parallel tasks have built, and frees the tasks' lists. Indices are
-/// renumbered, because they start at 0 in each task.
+/// Several parallel tasks each build a SheetMesh. Joins these and frees the tasks' lists. Indices into lists
+/// are renumbered, because they start at 0 in each task.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -164,8 +164,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row read, `y`, is also the first row of the next strips, with which it is read again. So
-        // `also.rows` gets this row now only at the end of the file.
+        // The last row read, `y`, is read again as the first row of the next strips. So that `also.rows` gets
+        // each row once, this row is passed now only at the end of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -195,8 +195,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `choice.squares` may run another task on this thread, which overwrites `made`. So `made` is
-            // copied first.
+            // `made` exists once per thread. `choice.squares` may run another task of this loop on this
+            // thread, which overwrites `made`. So `made` is copied first.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -1,5 +1,5 @@
 // Groups the records of one instant into sheets. A sheet is the part of one surface within a square of 16 x
-// 16 px. In each of its pixels, a quadtree stores the colours, and a plane approximates the depths.
+// 16 px. For each pixel, the sheet stores a quadtree of colours and a plane that approximates the depths.
 #pragma once
 
 #include <algorithm>
@@ -56,7 +56,7 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// Node of the colour quadtree of one pixel of a surface:
+/// A sheet (part of a surface) stores a quadtree of colours for each pixel. Node of this quadtree:
 /// - `none`: the surface is absent
 /// - `maybe`: the surface may be present or absent, because an edge crosses the cell
 /// - with the bit `leaf`: index of its colour (Texel)
@@ -118,21 +118,22 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// For each pixel of each sheet: root of the quadtree with the surface's colours. `fine` has all recorded
-    /// colours. `coarse` has a single colour in each fully covered pixel, and is used for blurred surfaces.
+    /// A sheet is a part of a surface. For each of its pixels, root nodes of two quadtrees of colours: `fine`
+    /// has all recorded colours. `coarse`, for blurred surfaces, has one colour per fully covered pixel.
     std::vector<std::uint32_t> fine, coarse;
-    /// For each pixel: `values` linear functions of the offset from the pixel's centre. The first is the
-    /// inverse depth (1/m). If `values` is 5, the rest are the four entries of Record::w.
+    /// For each pixel of each sheet: `values` linear functions of the offset from the pixel's centre. The
+    /// first is the inverse depth (1/m). If `values` is 5, the rest are the entries of the 2x2 matrix
+    /// Record::w.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// For each element of `texels`: the radiance that the surface reflects ([0]) and transmits ([1]) towards
-    /// the eye. Empty if no surface reflects or transmits light.
+    /// For each colour in `texels`: the radiance that its surface additionally sends to the eye by reflection
+    /// ([0]) and transmission ([1]). Empty if no surface reflects or transmits light.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// Highlights: the radiance above HighlightRule::above. `bright_texels` lists the quadtree cells with
-    /// radiance above this limit.
+    /// Highlights: that part of the recorded radiance that exceeds HighlightRule::above. `bright_texels`
+    /// lists the quadtree cells whose radiance exceeds it.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that have been taken out of the texels
@@ -157,8 +158,8 @@ struct BrightSheet {
 /// spread over the image by the lens's point spread function.
 struct HighlightRule {
     float above = 1;
-    /// Returns whether the bright light of a surface becomes a highlight. `key` identifies the surface. An
-    /// empty function means that nothing becomes a highlight.
+    /// Returns whether `light`, the radiance of a quadtree cell beyond `above`, becomes a highlight. `key`
+    /// and `sheet` describe the cell's surface. If empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
 /// Returns one element for each of mesh.sheets.
@@ -170,26 +171,26 @@ struct SheetChoice {
     /// Returns whether the row of squares (16 x 16 px) that begins at raster row y is read. An empty function
     /// means that all rows are read.
     std::function<bool(int y)> rows;
-    /// Optional: removes unneeded surfaces from `some`, which has the surfaces of up to 8 adjacent squares
-    /// (16 x 16 px). The squares are part number `part` of the row of squares that begins at raster row y.
-    /// Called by several threads.
+    /// Optional: removes surfaces that the caller does not need. `some` has the surfaces of up to 8 adjacent
+    /// squares (16 x 16 px), part number `part` of the row of squares from raster row y on. Called by several
+    /// threads.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Optional, for a caller that already has the surfaces of a row of squares, which `rows` therefore
-    /// leaves out. Appends these surfaces to `parts`, left to right.
+    /// Optional: called for each row of squares that `rows` leaves out because the caller already has its
+    /// surfaces. Appends these surfaces to `parts`, left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the surfaces of one instant from a file, and divides them into sheets (parts within squares of the
-/// raster). The callbacks of `also` get all records that are read, so that the file is read only once. Throws
+/// Reads the surfaces recorded at one instant from a sample file, and divides them into sheets (parts within
+/// squares of the raster). To avoid a second reading, `also` gets all records that are read. Throws
 /// Error(out_of_memory), and exceptions of the reader and of `also`.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Selects highlights by a new rule with the same radiance limit `above`. The result is bit-identical to that
-/// of tree_sheets with the new rule.
+/// Selects highlights again, by a new rule with the old radiance limit `above`. The result is bit-identical
+/// to that of calling tree_sheets with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

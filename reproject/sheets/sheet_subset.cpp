@@ -30,8 +30,8 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Returns the copied part of the mesh. `number` maps each surface of the original to its index in the
-    /// copy, or to SheetNode::none if it is not copied.
+    /// Completes and returns the copy of the selected sheets. `number` maps each sheet of the original to its
+    /// index in the copy, or to SheetNode::none if it is not copied.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {

@@ -1,4 +1,4 @@
-// Copies selected sheets (surfaces within squares of the raster) to a new mesh.
+// Copies selected sheets (parts of surfaces within squares of 16 x 16 raster px) to a new mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets with a nonzero entry in `wanted`, in the same order. SheetMesh::highlights is not
-/// copied, so call take_highlights afterwards, not before.
+/// Copies the sheets (parts of surfaces) with a nonzero entry in `wanted`, in the same order.
+/// SheetMesh::highlights is not copied, so call take_highlights afterwards to select them.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

@@ -12,9 +12,10 @@
 namespace postlens {
 namespace {
 
-// Largest total number of values in all accessors of a document: 1 GiB as floats.
+// Largest total number of values in all accessors (typed arrays) of a glTF document: 1 GiB as floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-// Largest number of elements of an accessor without a buffer, which are all zero.
+// Largest number of elements of a glTF accessor without a buffer. They are all zero, so a tiny file could
+// declare any number.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {

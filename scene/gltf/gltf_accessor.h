@@ -12,8 +12,8 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// Components of all elements, one element after the other. All are finite. Normalised integers are
-    /// scaled to [0, 1] or [-1, 1].
+    /// Components of all elements of the accessor, one element after the other. All are finite. Normalised
+    /// integers are scaled to [0, 1] or [-1, 1].
     std::vector<float> values;
 };
 

@@ -33,7 +33,7 @@ struct GltfNodeCurves {
     /// that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
     /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
-    /// An additional time precedes each jump by shortest_key_gap_s.
+    /// So that interpolation keeps the value until the jump, another time precedes it by shortest_key_gap_s.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 

@@ -100,7 +100,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // Unknown material extensions cause only a note, because the geometry is correct without them.
+    // A material extension of glTF that is not supported causes only a note, because the geometry is correct
+    // without it.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {

@@ -88,8 +88,8 @@ class MaterialReader {
         return out;
     }
 
-    // Reads the emissive texture. If `has_uv`, `uv` holds the texture coordinates of the base colour.
-    // An emissive texture with other coordinates is then replaced by its mean colour.
+    // Reads the emissive texture. A Material has only one set of texture coordinates, `uv`. If the base
+    // colour sets it (`has_uv`), an emissive texture with others is replaced by its mean colour.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
@@ -165,8 +165,8 @@ class MaterialReader {
         if (m.has("occlusionTexture")) notes_.add("an occlusionTexture is left out");
     }
 
-    // Returns the decoded image of a texture.
-    // Adds a note and returns null if the texture has no image of a supported kind.
+    // Returns the decoded image of the texture that `info` refers to. If the texture has no image of a
+    // supported kind, adds a note for the user and returns null.
     const RawImage* image_of(const JsonPlace& info) {
         const std::size_t texture = info.required(info.index("index", d_.count("textures")), "index");
         const JsonPlace t = d_.item("textures", texture);

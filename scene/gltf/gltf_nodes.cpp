@@ -81,7 +81,8 @@ GltfNodes::GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNod
     if (scenes > 1) notes_.add(fmt::format("of {} scenes number {} is shown", scenes, shown));
     const auto parents = parents_of(d_);
     const JsonPlace scene = d_.item("scenes", shown);
-    // The search runs into no cycle, because each node has at most one parent, and roots have none.
+    // The search visits the descendants of the scene's roots. It runs into no cycle, because each node has at
+    // most one parent, and roots have none.
     std::vector<std::pair<std::size_t, std::optional<std::size_t>>>
         open;  // node, index of its parent in nodes_
     std::vector<bool> seen(parents.size(), false);

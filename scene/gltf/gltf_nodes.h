@@ -34,8 +34,8 @@ class GltfNodes {
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
     /// Returns the keyframe times of the animated node `frame` and of its animated ancestors, ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// Returns the largest relative error of the placement of the animated node `frame`, over its keyframes.
-    /// Shear causes the error, because a placement (translation, rotation, scale) cannot represent it.
+    /// A placement (translation, rotation, scale) cannot represent shear. Returns the largest relative error
+    /// that this causes in the placement of the animated node number `frame`, over its keyframes.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:

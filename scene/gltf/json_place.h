@@ -31,7 +31,8 @@ class JsonPlace {
     [[nodiscard]] const std::string& where() const { return where_; }
     [[nodiscard]] bool has(const char* key) const { return value_->contains(key); }
 
-    /// Returns the JSON object under a key or, for `objects`, the elements of an array of objects.
+    /// `object` returns the JSON object under `key`. `objects` returns all elements of the array of JSON
+    /// objects under `key`.
     [[nodiscard]] std::optional<JsonPlace> object(const char* key) const;
     [[nodiscard]] std::vector<JsonPlace> objects(const char* key) const;  ///< empty if the key is missing
     /// extensions.NAME

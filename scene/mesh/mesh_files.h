@@ -19,7 +19,7 @@ namespace postlens {
 /// Lists requested files that are missing or outside the folder.
 class MeshFiles : public Assimp::IOSystem {
   public:
-    /// `text` is the content of the scene file, as returned by `rewritten_obj`.
+    /// `text` is the content of the scene file, an OBJ file as rewritten by `rewritten_obj`.
     MeshFiles(std::filesystem::path scene_path, std::string text, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), text_(std::move(text)), notes_(notes) {}
 

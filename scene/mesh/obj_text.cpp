@@ -80,8 +80,8 @@ void append_numbers(std::string_view line, std::string& out) {
     out += line.substr(copied);
 }
 
-// Appends one `mtllib` line per file name, until a comment begins. File names may contain blanks, so a name
-// ends only after ".mtl".
+// An OBJ file's `mtllib` line may list several MTL files. Appends one line per file, until a comment begins.
+// File names may contain blanks, so a name ends only after ".mtl".
 void append_libraries(std::string_view names, std::string& out) {
     for (bool first = true; !names.empty() && names[0] != '#'; first = false) {
         std::size_t end = 0;
@@ -168,7 +168,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // Without this blank, a backslash at the end of the trimmed line would join it to the next line.
+        // If the trimmed line ends with a backslash, appends a blank. Otherwise, the backslash would join the
+        // next line to it.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

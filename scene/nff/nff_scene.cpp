@@ -20,7 +20,8 @@ namespace {
 
 using glm::dvec3;
 
-// The numbers of an `f` line: R G B Kd Ks Shine T ior. Defaults replace missing numbers or a missing line.
+// The numbers of an `f` (fill colour) line of an NFF file: R G B Kd Ks Shine T ior. Defaults replace missing
+// numbers or a missing line.
 using Fill = std::array<double, 8>;
 constexpr Fill default_fill{1, 1, 1, 0.8, 0, 32, 0, 1};
 
@@ -121,7 +122,8 @@ class NffReader {
 
     int read_resolution() {
         const double pixels = tokens_.number("'resolution'", largest_length_m);
-        // 'angle' is measured between the centres of the first and last row of pixels, so there must be two.
+        // 'angle' is measured between the centres of the first and last row of pixels, so there must be at
+        // least two rows.
         if (!(pixels >= 2 && pixels <= largest_raster_px) || pixels != std::floor(pixels)) {
             tokens_.fail_here("'resolution' is out of range (got {}; expected a whole number of 2 to {} px)",
                               pixels, largest_raster_px);

@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// Reads the entities v, b, l, f, c, s, p, pp and comments. `options.metres_per_unit` scales lengths.
-/// Every `s` and `c` becomes an object. Successive `p` and `pp` with the same `f` become one mesh.
-/// Each has its own id. docs/scene_format.md lists defaults and what is skipped.
+/// Reads the NFF entities v, b, l, f, c, s, p, pp and comments. `options.metres_per_unit` scales lengths.
+/// Every sphere `s` and cone `c` becomes an object. Successive polygons (`p`, `pp`) with the same fill `f`
+/// become one mesh. Each object has its own id. docs/scene_format.md lists defaults and what is skipped.
 /// Throws Error(invalid_input) "FILE:LINE: ...".
 [[nodiscard]] Scene read_nff_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 

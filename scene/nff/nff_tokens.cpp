@@ -76,8 +76,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // peek() may already have read the next line. The words of that line are not part of the rest of line
-    // `taken_line_`.
+    // The last word taken may have been the last of its line, `taken_line_`. Then peek() may already have
+    // read the next line, whose words are not returned.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -39,7 +39,7 @@ class NffTokens {
     /// Returns the SHA-256 of the whole file. Call it only once, at the end of the file.
     [[nodiscard]] std::string sha256() { return digest_.hex(); }
 
-    /// Throws Error(invalid_input) "FILE:LINE: ..." with the line number of the last word.
+    /// Throws Error(invalid_input) "FILE:LINE: ..." with the line number of the last word that was taken.
     template <typename... Args>
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail(ExitCode::invalid_input, "{}:{}: {}", path_.string(), taken_line_,

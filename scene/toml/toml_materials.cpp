@@ -127,8 +127,8 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     m.transmission = t.number_or_vec3("transmission", share_range).value_or(m.transmission);
     m.ior = t.number("ior", {.min = 0.01, .max = 100}).value_or(m.ior);
     m.fresnel = t.flag("fresnel").value_or(m.fresnel);
-    // The grazing colours are 1 by default. A material without reflection or highlight must not get one at
-    // grazing angles.
+    // The grazing colours, i.e. the reflection and highlight at grazing angles, are 1 by default. They are 0
+    // for a material without reflection or highlight.
     if (m.reflection == dvec3(0)) m.reflection_grazing = dvec3(0);
     if (m.specular == dvec3(0)) m.specular_grazing = dvec3(0);
     m.reflection_exponent = t.number("reflection_exponent", exponent).value_or(m.reflection_exponent);
