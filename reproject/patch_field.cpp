@@ -45,8 +45,8 @@ struct Workplace {
 /// program checks whether the user has cancelled.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views (images for one lens point and instant), rays trace all later samples with mirrors
-/// or glass if fewer than half of those so far were reprojected accurately.
+/// After this many views (images for one lens point and instant), reprojection of mirrors and glass is
+/// judged. If fewer than half of these samples were accurate, rays trace all later ones.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {

@@ -46,7 +46,7 @@ struct SeenTile {
 };
 
 /// Position and size of a tile (square of the image), and the position in each pixel at which surfaces are
-/// sampled. A tile at the image border is smaller than SeenTile::edge.
+/// sampled. At the image border, a tile may have fewer than SeenTile::edge pixels per side.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
@@ -105,8 +105,8 @@ class PixelBlocks {
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels that show a mirror or glass. Only in these pixels, surfaces seen by reflection or transmission
-/// are drawn.
+/// The pixels that show a mirror or glass. The surfaces seen in it by reflection or transmission are drawn
+/// only in these pixels.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};       ///< for each pixel that needs the surface, id of the object that reflects or transmits it

@@ -364,7 +364,7 @@ struct Nearer {
                      low = z.x + std::min(across, 0.0) + std::min(down, 0.0),
                      high = z.x + std::max(across, 0.0) + std::max(down, 0.0);
         if (high <= nearest_per_m) return;
-        // Rays from the bright point past this part of a surface project the part onto the pixels. The
+        // Rays from the bright point through this part of a surface project the part onto the pixels. The
         // projection is singular at the point's own depth and far from linear close to it, so parts there are
         // divided.
         const bool is_cell = part.width == 1 && part.height == 1;

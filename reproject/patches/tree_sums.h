@@ -92,8 +92,8 @@ class TreeSums {
     /// these surfaces to the pixel's sums, and returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
     /// Returns the id of the object, visible in pixel k, in which the surface seen by the path of `chain` is
-    /// reflected or transmitted. If this object is missing there, returns the object before it on the path,
-    /// and so on.
+    /// reflected or transmitted. If this object is missing there, returns the id of the object before it on
+    /// the path, and so on.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
