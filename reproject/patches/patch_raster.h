@@ -46,7 +46,7 @@ struct SeenTile {
 };
 
 /// Position and size of a tile (square of the image), and the position in each pixel at which surfaces are
-/// sampled. At the image border, a tile may have fewer than SeenTile::edge pixels per side.
+/// sampled. A tile may be smaller than SeenTile::edge.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use

@@ -22,7 +22,7 @@ int tiles(int px) {
 /// Sort key of a patch (part of a surface): first by its sequence of reflections and transmissions, then from
 /// near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // Converts inverse depth to integers of equal order. Float bits are ordered like their values, negative
+    // Converts inverse depth to an integer with the same order. Float bits are ordered like values, negative
     // ones in reverse; adding 0 turns -0 into +0.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;

@@ -15,7 +15,7 @@ namespace {
 // Largest total number of values in all accessors (typed arrays) of a glTF document: 1 GiB as floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
 // Largest number of elements of a glTF accessor without a buffer. They are all zero, so a tiny file could
-// declare any number.
+// have many.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {
