@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// A rim over 20 times as large as the lens (radius 1 / rim_scale, in lens radii) is treated as if it caused
-/// no vignetting.
+/// Smallest ratio rim_scale of lens radius to vignetting rim radius. A rim that is over 20 times as large as
+/// the lens counts as blocking no light.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the aperture's outline and the polygon that replaces it when
 /// random lens points are drawn.
@@ -80,8 +80,9 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Upper bound of the outline's distance from the lens centre. The polygon that replaces a circle has
-        // the same area, so its corners lie up to 1.5 % outside.
+        // Upper bound of the distance from the lens centre to the aperture's outline, in lens radii. A
+        // polygon that replaces a circle has equal area, so its corners lie up to 1.5 % outside. Squeeze
+        // divides x.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -129,7 +130,7 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Returns the fraction of the unit disc inside the vignetting rim. The rim is projected onto the lens.
+// Returns the fraction of a round lens that the rim of cat's-eye vignetting leaves open.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
     // The vignetting rim is a circle of radius r, and its centre is at distance d from the lens centre.

@@ -38,10 +38,10 @@ struct AperturePicture {
 ///   side.
 class Aperture {
   public:
-    /// Makes a disc, a polygon, or an aperture whose shape and transmittance the image gives.
+    /// Makes a disc or polygon, or an aperture whose shape and transmittance `picture` gives.
     ///
     /// Throws Error(wrong_arguments) if check_impulse rejects the settings. Throws Error(invalid_input) if
-    /// the image transmits no light.
+    /// `picture` transmits no light.
     explicit Aperture(const Impulse& impulse, std::optional<AperturePicture> picture = std::nullopt);
 
     /// Returns true for a disc without squeeze, cat's-eye vignetting or spherical aberration.
@@ -57,22 +57,23 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre, in lens radii.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline of the light that passes the aperture, with cat's-eye vignetting at image position
-    /// `field`. It is a polygon in lens radii, within `tolerance` of the true curve, and empty if no light
-    /// passes.
+    /// Returns the part of the aperture that cat's-eye vignetting leaves open at image position `field`. It
+    /// is a polygon in lens radii, within `tolerance` of the true outline, and empty if no light passes.
+    /// `rim_scale` is the class comment's k.
     ///
-    /// Not available for aperture images.
+    /// Not available if the aperture is an image.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the rim in the lens barrel that blocks oblique light (cat's-eye vignetting).
-    /// The rim is projected onto the lens, where its radius is 1 / rim_scale lens radii. For rim_scale below
-    /// 0.05, returns a square that blocks no light.
+    /// Returns the outline of the rim that causes cat's-eye vignetting at image position `field`. Projected
+    /// onto the lens from the scene point, its radius is 1 / rim_scale lens radii. For rim_scale below 0.05,
+    /// the rim blocks no light, and a large square replaces it.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns false if cat's-eye vignetting blocks the light that crosses the aperture at point q and
     /// travels to image position `field`.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Returns the fraction of the aperture's light that cat's-eye vignetting leaves at image position
-    /// `field`. It is exact for a disc; for other shapes, its error is about 1e-3 at distant scene points.
+    /// `field`. It is exact for a disc. For other shapes and distant scene points (rim_scale near 1), the
+    /// error is about 1e-3.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density proportional to the transmitted

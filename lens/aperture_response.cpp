@@ -42,8 +42,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns into how many parts to divide a line on the lens, so that each part's image on the film is
-/// straight within 0.02 px.
+/// Spherical aberration bends the image of a straight line on the lens. Returns into how many parts to divide
+/// such a line, so that each part's image is straight within 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -56,8 +56,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Merges cells of an image of the aperture until each is about half a pixel wide in the blur kernel.
-/// Original cells are `cell_px` wide.
+/// Reduces the resolution of an aperture image until its cells are about half a pixel wide in the blur
+/// kernel. Originally, they are `cell_px` wide there.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -75,7 +75,8 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Adds the light of an aperture, given as an image, to a grid of pixels. Returns the added energy.
+/// Adds the blur kernel of an aperture that is given as an image to a grid of pixels. Returns the added
+/// energy.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
@@ -203,8 +204,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cat's-eye vignetting, neighbouring pixels share one blur kernel, although the true outline differs
-    // slightly between them. So it would be useless to compute the outline more precisely than to 0.02 px.
+    // With cat's-eye vignetting, the blur kernel's outline changes slowly from pixel to pixel, but
+    // neighbouring pixels share one kernel. An outline more precise than 0.02 px would then be useless.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

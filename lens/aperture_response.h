@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// The image of one scene point on the film. Light through lens point q (in lens radii) lands at this
-/// displacement from `centre_px`, in px:
+/// The image of one scene point on the film. Light through lens point q (in lens radii) lands, relative to
+/// `centre_px`, at the following displacement in px. spherical_px describes spherical aberration.
 ///
 ///     map_px q + spherical_px q |q|^2
 ///

@@ -39,8 +39,8 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the whole area to the right of one polygon side. Sides that run upwards count
-// positively, so all sides together give the energy inside.
+// Adds the energy of the area between one polygon side and the grid's right edge. Sides that run upwards
+// count positively and others negatively, so together they give the polygon's energy.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
@@ -64,8 +64,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // This polygon side adds energy to all pixels on its right. So the part of the side that lies left of
-        // the grid adds energy to every pixel of the row.
+        // A side adds energy to all pixels on its right. So where a side lies left of the grid, it adds
+        // energy to every pixel of the row.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
@@ -92,8 +92,8 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // Rounding can leave a small negative energy where the contributions of a polygon's left and
-            // right sides cancel.
+            // The contributions of a polygon's left and right sides cancel outside the polygon. Rounding can
+            // leave a small negative energy there.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

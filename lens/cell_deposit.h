@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Adds polygons of either orientation to a grid, with exact area coverage.
+/// Spreads the energy of polygons over the pixels of a grid, in proportion to the exactly covered area.
 class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.

@@ -23,9 +23,9 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // The ellipse is narrower than smallest_px, so its semi-minor axis is set to smallest_px. With the
-        // squared semi-axes `minor` and `major`, and the direction a of the major axis, the matrix of an
-        // ellipse is minor I + (major - minor) a a^T.
+        // The ellipse is too narrow: its smaller semi-axis must be at least smallest_px. Its matrix is minor
+        // I + (major - minor) a a^T, with squared semi-axes `minor` and `major`, and direction a of the major
+        // axis. Replaces `minor` by smallest_px^2.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -46,7 +46,7 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// The part of the ellipse within one pixel row, from height t0 to t1 above the centre.
+/// The part of an ellipse within one pixel row, from height t0 to t1 above the ellipse's centre.
 struct EllipseRows::Strip {
     double t0, t1;
     double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at t0 and t1
@@ -76,7 +76,7 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A very flat ellipse covers one row of pixels, even if rounding makes its height 0.
+    // Rounding can make the height of a very flat ellipse 0. It still covers one row of pixels.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -94,8 +94,8 @@ double EllipseRows::right_edge(double t) const {
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // The vertical line at x crosses the ellipse's outline at two heights t. With k = shear, s = half the
-    // chord through the centre, and H = half the height:
+    // A vertical line at x crosses the ellipse's outline at two heights t, relative to the centre. With k =
+    // shear, s = half the chord through the centre, and H = half the height:
     //
     //     (x - k t)^2 = s^2 (1 - (t / H)^2)
     const double a = k * k + s * s / (e_.half_height * e_.half_height);

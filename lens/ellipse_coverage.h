@@ -26,15 +26,15 @@ struct Ellipse {
     [[nodiscard]] double half_width() const;
 };
 
-/// Coverage of the pixels in one row, as fractions of the ellipse's area. Row y covers heights [y, y + 1).
+/// How an ellipse covers the pixels in one row, as fractions of its area. Row y covers heights [y, y + 1).
 struct CoverageRow {
     int y = 0;
     int x_begin = 0;            ///< column of the first value
     std::vector<double> share;  ///< ellipse area in the pixel / ellipse area
 };
 
-/// Returns the coverage for every row that the ellipse touches, from top to bottom. Values are exact up to
-/// rounding, because areas are integrated analytically.
+/// Returns how an ellipse covers the pixels of each row that it touches, from top to bottom. Areas are
+/// integrated analytically, so values are exact up to rounding.
 [[nodiscard]] std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy);
 
 /// Reference for tests. Estimates the coverage of one pixel from n x n sample points.
@@ -46,13 +46,12 @@ struct CoverageRow {
 /// - The other pixels in [x_begin, x_end) have values of their own.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
-    /// Coverage of the partly covered pixels: those of [x_begin, inner_begin), then those of [inner_end,
-    /// x_end).
+    /// Values of the partly covered pixels: first columns [x_begin, inner_begin), then [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes the coverage row by row, in any order. Completely covered pixels are not visited, so the time
-/// depends only on the length of the outline.
+/// Computes how an ellipse covers pixels, row by row, in any order. Completely covered pixels are not
+/// visited, so the time depends only on the length of the outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
@@ -60,8 +59,8 @@ class EllipseRows {
     /// The ellipse touches the pixel rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Returns the weight of a pixel that lies completely inside the ellipse: 1 px^2 divided by the ellipse's
-    /// area.
+    /// Returns the fraction of the ellipse's area in a completely covered pixel: 1 px^2 divided by the
+    /// ellipse's area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
     /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
     /// `out`.

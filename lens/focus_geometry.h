@@ -24,8 +24,8 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, with the pinhole at its centre. Seen from lens point q (m, raster axes), the
-/// image of a point at depth z' shifts by
+/// A lens focused at distance s, with the pinhole at its centre. Let gain_px be the film distance in px. Seen
+/// from lens point q (m, raster axes), the image of a point at depth z' shifts by
 ///
 ///     gain_px * (1/s - 1/z') * q    px
 struct FocusGeometry {
@@ -44,7 +44,7 @@ struct FocusGeometry {
 /// Makes the geometry of a focused lens. Throws Error(wrong_arguments) unless:
 /// - The focal length F is positive and finite.
 /// - The f-number is positive (infinite for a pinhole).
-/// - The focus distance s exceeds F (for Framing::keep, 0). It may be infinite.
+/// - The focus distance s exceeds F, or 0 for Framing::keep. It may be infinite.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

@@ -34,7 +34,7 @@ struct Impulse {
 };
 
 /// Parses one of disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE |
-/// lens:PRESCRIPTION. The last needs `real_lenses`.
+/// lens:PRESCRIPTION. The last is accepted only if `real_lenses` is true.
 ///
 /// Throws Error(wrong_arguments) with a message that begins with `option`, the name of the option.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text,
@@ -44,8 +44,8 @@ struct Impulse {
 /// if it names no file.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
-/// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical is out of range, or does not apply to this
-/// kind of aperture.
+/// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical (see Aperture) is out of range, or does
+/// not apply to impulse.kind.
 void check_impulse(const Impulse& impulse);
 
 /// Formats the settings as the argument of `--impulse`.

@@ -20,10 +20,10 @@ double example_focal_length_mm(double inverse_focus_per_m) {
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual of one measured circle of confusion c: c - K |q - 1/z|. z is the depth, and q the inverse focus
-/// distance.
+/// Residual K |q - 1/z| - c of a fitted thin lens, for a measured circle of confusion of diameter c at depth
+/// z. The fitted numbers are the focal length F, the f-number n and the inverse focus distance q.
 ///
-/// K is F^2 / (n (1 - F q)) for focal length F and f-number n.
+/// K is F^2 / (n (1 - F q)).
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -38,8 +38,8 @@ struct Difference {
     }
 };
 
-/// Fits c = K |q - x| to measured circles of confusion. c is the diameter, x the inverse depth and q the
-/// inverse focus distance.
+/// Fits the factor K and the inverse focus distance q to measured diameters c = K |q - x| of circles of
+/// confusion. x is the inverse depth.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -48,8 +48,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
     std::sort(pairs.begin(), pairs.end(),
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
-    // Fits a line, diameter over inverse distance, for every division of the measurements into those behind
-    // and those in front of the focus. Keeps the best.
+    // Which measurements lie behind the focus is unknown. So each possible division is tried: a line is
+    // fitted to the diameters over the inverse depth, and the best line is kept.
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
         // Counts the diameters of circles of confusion in front of the focus as negative. Diameters are then
         // linear in the inverse distance x: c = K (q - x), with inverse focus distance q.
@@ -128,8 +128,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // Circles of confusion determine only K = F^2 / (n (1 - F q)) and the inverse focus distance q. So a
-    // known focal length F determines the f-number n, and vice versa.
+    // Circles of confusion determine the inverse focus distance q, but only one number for the focal length F
+    // and f-number n: K = F^2 / (n (1 - F q)). If F is known, n follows, and vice versa.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;

@@ -19,8 +19,8 @@ std::vector<double> bessel_orders(double v) {
         j[0] = 1;
         return j;
     }
-    // For tiny v, the downward recurrence of Bessel functions would overflow. Below 1e-3, two terms of the
-    // power series suffice.
+    // Computes the Bessel functions J_n(v) for v < 1e-3 from two terms of their power series. For tiny v, the
+    // recurrence below would overflow.
     if (v < 1e-3) {
         double term = 1;
         for (int n = 0; n <= last; ++n) {

@@ -40,8 +40,8 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Returns the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..., which occurs in Lommel's
-/// formulas for the encircled energy [born1999, 8.8, eqs. 29 and 30].
+/// Returns the sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..., a part of Lommel's encircled
+/// energy [born1999, 8.8, eqs. 29 and 30]. `ratio` is u/v or v/u, and `j` holds J_0(v), J_1(v), ...
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -57,9 +57,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // The integral over the pupil is divided into panels. The integrand's phase changes by at most u + v
-    // radians in total, so by at most pi in one panel. 16 quadrature nodes then integrate a panel up to
-    // rounding error.
+    // Integrates J0(v p) exp(-i u p^2 / 2) p over the pupil radius p, in panels. The phase changes by at most
+    // u + v radians per unit of p, so by at most pi in one panel. 16 quadrature nodes then suffice.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -81,8 +80,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // The intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and U2 [born1999, 8.8]. To
-        // avoid a division by u = 0, `odd` is U1 / x and `even` is U2 / x^2.
+        // At defocus u and radius v, the intensity is (2/u)^2 (U1^2 + U2^2), with the Lommel functions U1 and
+        // U2 [born1999, 8.8]. To avoid a division by u = 0, the sum `odd` is U1 / x, and `even` is U2 / x^2.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -103,8 +102,8 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Encircled energy for v <= u [born1999, 8.8, eq. 29]. In this equation, the series Y1 sums the terms
-    // with Bessel functions of odd order, and Y2 those of even order.
+    // Fraction of the light within radius v, at defocus u >= v [born1999, 8.8, eq. 29]. The series Y1 of this
+    // equation sums the terms with Bessel functions of odd order, and Y2 those of even order.
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

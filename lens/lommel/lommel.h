@@ -1,7 +1,7 @@
 // Light near the focus of a circular aperture, by Lommel's functions (slow reference of radial_energy.h). The
 // optical coordinates are, for wavelength lambda, aperture diameter D and film distance V:
 // - defocus u = (2 pi / lambda) (D/2)^2 (1/s - 1/z), for focus distance s and depth z
-// - radius v = pi r D / (lambda V); the geometric disc ends at v = |u|
+// - radius v = pi r D / (lambda V), at distance r from the centre; the geometric disc ends at v = |u|
 #pragma once
 
 namespace postlens {
@@ -14,12 +14,12 @@ namespace postlens {
 /// Needs O(v) steps. For |u| up to 5000, the error is below 1e-12.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
-/// Returns the intensity of `lommel_intensity` by Gauss-Legendre quadrature, in O(u + v) steps. Used for
-/// small u and as a reference for tests.
+/// Returns lommel_intensity(u, v), computed by Gauss-Legendre quadrature in O(u + v) steps. Used for small
+/// defocus u and as a reference for tests.
 [[nodiscard]] double intensity_by_quadrature(double u, double v);
 
-/// Returns the fraction of the energy within radius v: (1/2) int_0^v I(u, v') v' dv' [born1999, 8.8.3]. Needs
-/// O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
+/// Returns the fraction of the light within radius v at defocus u: (1/2) int_0^v I(u, v') v' dv' [born1999,
+/// 8.8.3], where I is lommel_intensity. Needs O(v^2) steps. The error is below 1e-10 for |u| up to 1000.
 [[nodiscard]] double lommel_encircled_energy(double u, double v);
 
 /// Returns the fraction of a point's light that diffraction spreads beyond radius v at defocus u:

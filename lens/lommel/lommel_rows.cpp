@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two series of Bessel functions J_n(v), for eight values of v at once. x is the smaller of v/u and u/v.
+/// Two series of Bessel functions J_n(v) that occur in Lommel's intensity, for eight values of v at once. x
+/// is the smaller of v/u and u/v, for defocus u.
 /// - `odd` sums (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
 /// - `even` sums (-1)^s x^(2s) J_(2s) over s = 1, 2, ..
 struct SeriesLanes {
@@ -56,8 +57,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Sums the series of SeriesLanes by downward recurrence (Miller's algorithm) and Horner's rule. It is stable
-/// for any number of terms.
+/// Sums the series `odd` and `even` of SeriesLanes up to order `last`, by downward recurrence (Miller's
+/// algorithm) and Horner's rule. This is stable for any number of terms.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};
@@ -105,8 +106,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The fast series below divides by zero at v = 0, and loses precision if u is small and v <= u. For these
-    // radii v, the slower lommel_intensity computes the intensity.
+    // The fast series below divides by the radius v, so it fails at v = 0. It loses precision if the defocus
+    // u is small and v <= u. In both cases, the slower lommel_intensity is used.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

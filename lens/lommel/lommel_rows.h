@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Sets intensity[i] to I(u, v), the intensity at defocus u and radius v = i * grid.step. It sums a series,
+/// Sets intensity[i] to lommel_intensity(u, v), at defocus u and radius v = i * grid.step. It sums a series,
 /// and omits terms below 1e-11 of the mean intensity. Results are bit-identical on all machines with the same
 /// sine and Bessel functions.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);

@@ -14,19 +14,20 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Integrates the energy flow through a pixel border near the blur kernel's centre. The border is at distance
-/// `x` from the centre, and extends from y0 to y1.
+/// Integrates the energy flow (see Flow) through a pixel border near the blur kernel's centre. Relative to
+/// the centre, the border lies at x, and extends from y0 to y1.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // Energy flows radially away from the kernel's centre. So almost none crosses a border whose line passes
-    // the centre at less than this distance.
+    // The flow is radial, so it does not cross lines through the kernel's centre. On lines nearer to the
+    // centre than this distance, the flow counts as 0.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
-    // The energy flow through the pixel border at x is the integral of L x / (2 pi r^2) over y, with the
-    // energy L within radius r. Substitutes y = x sinh t.
+    // At distance r from the kernel's centre, the flow is L x / (2 pi r^2) per px of the border. L is the
+    // energy within r. To integrate the flow over y, substitutes y = x sinh t.
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // Each panel of 16 quadrature nodes spans at most 6 units of the optical radius v, to resolve diffraction
-    // fringes. If 64 panels do not suffice, fringes are so narrow that they average out.
+    // Divides the integral over t into panels of 16 quadrature nodes. A panel spans at most 6 units of the
+    // optical radius v, to resolve diffraction fringes. Fringes too narrow for 64 panels cancel in the
+    // integral.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -41,14 +42,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Averages diffraction fringes over this width, in px, because the quadrature nodes on a pixel border cannot
-/// resolve narrower fringes. 70 % of the distance between two nodes gives the smallest error.
+/// Returns the width, in px, over which diffraction fringes are averaged. Narrower fringes would fall between
+/// the quadrature nodes on a pixel border. 70 % of the nodes' distance gives the smallest error.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
 /// Tabulates L / (2 pi r^2) over the distance r from the blur kernel's centre, where L is the energy within
-/// r. Times the distance x of a pixel border from the centre, this is the energy flow per px of the border.
+/// r. Multiplied by the border's distance x from the centre, this is the energy flow (see Flow) per px of a
+/// pixel border.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -72,9 +74,9 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Integrates the energy flow through a pixel border parallel to the y axis. The flow is radial: the energy
-/// L(r) within radius r of the blur kernel's centre leaves evenly through the circle of radius r. So the net
-/// outflow of a pixel is its energy.
+/// Integrates an imaginary flow through pixel borders parallel to the y axis. In this flow, the energy L(r)
+/// within radius r of the blur kernel's centre leaves evenly through the circle of radius r. The net outflow
+/// of a pixel is then its energy.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -123,8 +125,8 @@ class Borders {
             }
         });
     }
-    /// Returns how much energy flows in +x direction through the pixel border from (x, y0) to (x, y0 + 1). By
-    /// the divergence theorem, a pixel's energy follows from the flow through its four borders.
+    /// Returns the energy flow (see Flow) in +x direction through the pixel border from (x, y0) to (x, y0 +
+    /// 1). A pixel's energy is the net outflow through its four borders.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -148,9 +150,9 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The class Borders computes one quadrant of a square around the blur kernel's centre, so the energy must
-    // be known up to the square's corners. Averaging over diffraction fringes needs a further margin of
-    // 4 smoothing_px.
+    // Flows are computed for all pixel borders in a square around the blur kernel's centre. So the radial
+    // profile must reach the square's corners. Averaging over diffraction fringes needs a further margin of 4
+    // smoothing_px.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

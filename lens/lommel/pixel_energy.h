@@ -6,7 +6,8 @@
 
 namespace postlens {
 
-/// Sampling density along pixel borders. Finer sampling hardly changes the results (docs/diffraction.md).
+/// How finely fill_pixel_energy samples its integrals along pixel borders. Finer sampling hardly changes the
+/// results (docs/diffraction.md).
 struct PixelEnergySettings {
     int nodes = 16;      ///< quadrature nodes along a pixel border, per px of radius
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
@@ -15,12 +16,12 @@ struct PixelEnergySettings {
 /// Computes the energy in each pixel of `grid` from an impulse response whose centre is at (centre_x,
 /// centre_y) px. `profile`, the energy within each radius, must extend to `reach_px(grid, ..)`.
 ///
-/// By the divergence theorem, a pixel's energy is an integral along its borders. Neighbours share a border,
-/// so sums over pixels are exact.
+/// By the divergence theorem, a pixel's energy is an integral along its borders. The parts for a border
+/// between two pixels are opposite, so they cancel in sums over pixels.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 
-/// Returns the radius, in px, up to which `fill_pixel_energy` reads the radial profile.
+/// Returns the radius, in px, up to which `fill_pixel_energy` reads `profile`, the energy within each radius.
 [[nodiscard]] double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                               const PixelEnergySettings& settings);
 

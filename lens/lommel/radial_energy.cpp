@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Weights for integrating over one step, exact for the polynomial through the eight nearest values. They are
-/// symmetric, so only four are stored.
+/// Weights that integrate a table over one step, exact for the polynomial through the eight nearest entries.
+/// They are symmetric, so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -19,8 +19,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small defocus |u|, a few diffraction fringes hold all energy, so the table needs fine steps of the
-    // radius. At large |u|, each fringe holds at most 1/|u| of the energy, so coarse steps suffice.
+    // At small defocus |u|, a few diffraction fringes hold all energy, so energy is tabulated in fine steps
+    // of the radius. At large |u|, each fringe holds at most 1/|u| of the energy, so coarse steps suffice.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -74,8 +74,8 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integrates, from 0 to t, the cubic Hermite polynomial that interpolates the encircled energy in this
-    // step; w0 is the energy at the beginning:
+    // Integrates the encircled energy over the fraction t of this table step, as a cubic Hermite polynomial
+    // from w0 to w0 + rise with end slopes slope0 and slope1:
     //
     //     w0 + slope0 t + (3 rise - 2 slope0 - slope1) t^2 + (slope0 + slope1 - 2 rise) t^3
     return within_sum_[i] + step_ * t *
