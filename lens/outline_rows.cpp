@@ -14,19 +14,19 @@ struct Piece {
     double height;         ///< positive height times the `sign` of the side
 };
 
-/// Returns how much of the pixel [x, x + 1) lies to the right of a straight piece of the outline: the mean
-/// fraction over the piece's height.
+/// Returns the fraction of the pixel [x, x + 1) to the right of a straight piece of the outline, averaged
+/// over the heights that the piece spans.
 double right_of(const Piece& p, double x) {
-    // A vertical line at x = `at` has the fraction clamp(x + 1 - at, 0, 1) of the pixel [x, x + 1) on its
-    // right. `integral` is the integral of this fraction over `at`.
+    // Of the pixel [x, x + 1), the fraction clamp(x + 1 - at, 0, 1) lies to the right of a vertical line at
+    // `at`. `integral` is the integral of this fraction over `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // An almost vertical piece of the outline has nearly no width to divide by. It is treated as a vertical
-    // line through its midpoint.
+    // The result divides by the piece's width, which is nearly 0 for an almost vertical piece. Such a piece
+    // is treated as a vertical line through its midpoint.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }

@@ -22,8 +22,8 @@ class OutlineRows {
     /// Returns the weight of a pixel that lies completely inside the polygon: 1 px^2 divided by the polygon's
     /// area.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes the coverage of the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory of
-    /// `out`.
+    /// Computes how the polygon covers the pixels in row y, with y_begin() <= y < y_end(). Reuses the memory
+    /// of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

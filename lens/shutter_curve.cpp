@@ -119,8 +119,8 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Computes the time x, measured from point `a`, at which the light that has passed since `a` is
-    // `missing`. The transmittance (density) changes linearly from `a` to `b`, so
+    // Finds the time x after point `a` at which the light `missing` has passed since `a`, so that the total
+    // is u. The transmittance (density) changes linearly from `a` to `b`, so
     //
     //     a.density x + (b.density - a.density) x^2 / (2 width) = missing
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);

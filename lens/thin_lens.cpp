@@ -20,8 +20,8 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // Circle of confusion F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], rearranged so that the depth z
-    // and the focus distance s may be infinite.
+    // Circle of confusion F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], for focal length F and f-number
+    // n. It is rearranged so that the depth z and the focus distance s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }
@@ -29,8 +29,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // The hyperfocal distance is q + F, with the focal length F. If coc_limit_mm is 0, q is infinite. So the
-    // formulas below use s / (1 + (s - F) / q), because q s / (q + s - F) would be NaN.
+    // q is the hyperfocal distance minus the focal length F. It is infinite if coc_limit_mm is 0, and then
+    // q s / (q + s - F) would be NaN. The code below uses s / (1 + (s - F) / q) instead.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

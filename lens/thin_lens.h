@@ -14,12 +14,12 @@ struct ThinLens {
     [[nodiscard]] double aperture_diameter_mm() const { return focal_length_mm / f_number; }
 };
 
-/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1]. It is F for infinite s, and
-/// infinite or negative for s <= F.
+/// Returns the film distance V = F s / (s - F), in mm, for focal length F and focus distance s [potmesil1981,
+/// eq. 1]. It is F for infinite s, and infinite or negative for s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Returns the signed diameter of the circle of confusion, in mm, at focus distance s > F [potmesil1981, eq.
-/// 3]:
+/// Returns the signed diameter of the circle of confusion, in mm, for focal length F, f-number n and focus
+/// distance s > F [potmesil1981, eq. 3]:
 ///
 ///     F^2 (z - s) / (n z (s - F))
 ///

@@ -21,9 +21,9 @@ double example_focal_length_mm(double inverse_focus_per_m) {
 }
 
 /// Residual K |q - 1/z| - c of a fitted thin lens, for a measured circle of confusion of diameter c at depth
-/// z. The fitted numbers are the focal length F, the f-number n and the inverse focus distance q.
+/// z. q is the inverse focus distance.
 ///
-/// K is F^2 / (n (1 - F q)).
+/// K is F^2 / (n (1 - F q)) for focal length F and f-number n.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>

@@ -8,18 +8,19 @@
 
 namespace postlens {
 
-/// Impulse response of a circular aperture at defocus u, for radii v in [0, v_end], in optical units
-/// [born1999, 8.8.1]. The total energy is 1.
+/// Impulse response of a circular aperture with diffraction, for radii v in [0, v_end]. Radius v and defocus
+/// u are the optical coordinates of lommel.h [born1999, 8.8.1]. The total energy is 1.
 class RadialEnergy {
   public:
-    /// Returns the spacing of the radii in a table for defocus u: 1/8 for |u| < 256, and 1/2 otherwise. Radii
-    /// and defocus are in optical units [born1999, 8.8.1].
+    /// Returns the step of the radius v at which energy is tabulated for defocus u: 1/8 for |u| < 256, and
+    /// 1/2 otherwise. u and v are in optical units [born1999, 8.8.1].
     [[nodiscard]] static double step_for(double u);
-    /// Returns the number of Bessel function values that a table up to optical radius v_end needs.
+    /// Returns how many entries a BesselGrid with this step needs for energies up to the optical radius
+    /// v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// Computes the encircled energy up to the optical radius v_end. `grid` needs the step `step_for(u)` and
-    /// at least `grid_count(step_for(u), v_end)` entries.
+    /// Computes the encircled energy at defocus u, up to the optical radius v_end. `grid` holds Bessel
+    /// functions. It needs the step `step_for(u)` and at least `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Computes the encircled energy at defocus u up to the optical radius v_end, with its own tables of
@@ -29,14 +30,14 @@ class RadialEnergy {
     [[nodiscard]] double u() const { return u_; }
     [[nodiscard]] double v_end() const { return step_ * static_cast<double>(within_.size() - 1); }
 
-    /// Returns the fraction of the energy within optical radius v <= v_end. The error is below 2e-7.
+    /// Returns the fraction of the point's light within the optical radius v <= v_end. The error is below
+    /// 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Returns the integral of the encircled energy `within` from radius 0 to v. The difference of two
-    /// integrals gives the mean of `within` over an interval, in which narrow diffraction fringes average
-    /// out.
+    /// Returns the integral of within(v') over the radius v' from 0 to v. The difference of two integrals
+    /// gives the mean of `within` over an interval, in which narrow diffraction fringes average out.
     [[nodiscard]] double within_integral(double v) const;
-    /// Returns the intensity at the optical radii v = 0, step(), 2 step(), ..., as a fraction of the peak
-    /// intensity in focus.
+    /// Returns the diffraction pattern's intensity at the optical radii v = 0, step(), 2 step(), ..., as a
+    /// fraction of the peak intensity in focus.
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
     [[nodiscard]] double step() const { return step_; }
 

@@ -35,9 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // A mean of the encircled energy over an interval of width w contains no diffraction fringes narrower
-        // than w. Three adjacent means, with the weights (-1, 26, -1) / 24, give the value at v. This is
-        // exact for cubic polynomials.
+        // The mean of the encircled energy over an interval of width w contains no diffraction fringes
+        // narrower than w. The value at v is therefore computed from the means over three adjacent intervals,
+        // with the weights (-1, 26, -1) / 24. This is exact for cubic polynomials.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -71,9 +71,9 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A thin ring of the diffraction pattern contains the fraction I v dv / 2 of the energy, where I is the
-    // intensity relative to the peak in focus. The ring's area is 2 pi r dr, with v = r v_per_px. So the
-    // energy per px^2 is I v_per_px^2 / (4 pi).
+    // Converts the intensity I, relative to the peak in focus, to the fraction of the energy per px^2. A thin
+    // ring at the radius v = r v_per_px contains the fraction I v dv / 2 of the energy, on the area 2 pi r
+    // dr. The quotient is I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

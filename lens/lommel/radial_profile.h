@@ -24,14 +24,14 @@ class RadialProfile {
 
     /// Returns the fraction of the energy within a radius from 0 to end_px(), in px.
     [[nodiscard]] double within(double radius_px) const;
-    /// Returns the energy within a radius, without the ripples of diffraction fringes finer than `width_px`,
-    /// which are averaged out. For a smooth profile, the error is proportional to width_px^4.
+    /// Returns the fraction of the energy within a radius, after averaging out diffraction fringes finer than
+    /// `width_px`. For a smooth profile, the error is proportional to width_px^4.
     ///
-    /// The radius must be at least 3/2 width_px from 0 and from end_px(), because the average extends so
-    /// far.
+    /// The average extends 3/2 width_px to both sides. So the radius must be at least this far from 0 and
+    /// from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns smoothed_within(radius, width_px) for `count` radii, faster than single calls. The first
-    /// radius is begin_px, and the radii are width_px / row_steps apart.
+    /// Returns the values of smoothed_within for `count` radii, faster than single calls. The first radius is
+    /// begin_px, and the radii are width_px / row_steps apart.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the fraction of the blur kernel's energy per px^2 at a distance from the kernel's centre, by

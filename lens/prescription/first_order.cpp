@@ -81,8 +81,8 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
     // A paraxial ray of height y and angle nu at the first surface meets the stop at the height front.a y +
-    // front.b nu. It passes the stop's centre if this is 0. So the entrance pupil, the stop's image, lies at
-    // front.b / front.a.
+    // front.b nu. This is 0 for rays that aim at the centre z of the entrance pupil, the stop's image:
+    // y = -z nu. So z = front.b / front.a.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
@@ -103,8 +103,9 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // Traces a ray from the object point on the axis, with height 1 and slope t at the first lens surface.
-    // The point's image is where the ray meets the axis behind the lens. t is 0 for an object at infinity.
+    // Traces a ray from the object point on the axis, with height 1 and slope t at the first lens surface (t
+    // is 0 for an object at infinity). m gives its height and slope behind the lens. The image is where the
+    // ray meets the axis there.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

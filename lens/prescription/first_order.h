@@ -5,8 +5,8 @@
 
 namespace postlens {
 
-/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. It
-/// is measured from the first vertex in object space, and from the last vertex in image space.
+/// First-order properties of a lens [born1999, 4.4]. z is in mm along the axis, positive towards the film. In
+/// object space, z is 0 at the vertex of the first surface, and in image space, at the vertex of the last.
 ///
 /// n' is the refractive index behind the lens.
 struct FirstOrder {
@@ -27,7 +27,7 @@ struct FirstOrder {
     double film_distance_mm = 0;      ///< from the last vertex; bfl if the prescription gives none
 };
 
-/// Computes the properties at a wavelength, by default the prescription's.
+/// Computes the first-order properties of a lens at a wavelength, by default the prescription's.
 ///
 /// Throws Error(invalid_input) for a refractive index outside [1, 5], or for an afocal lens. A lens counts as
 /// afocal if its power times its length from first to last surface is below 1e-9.
@@ -39,8 +39,9 @@ struct ParaxialRay {
     double y_mm = 0, nu = 0;
 };
 
-/// Returns a paraxial ray just behind `surface`, at the plane through the surface's vertex [born1999, 4.4.1].
-/// `at_first` is the same ray in front of the lens, at the plane through the vertex of the first surface.
+/// Traces a paraxial ray [born1999, 4.4.1]. `at_first` is the ray in front of the lens, at the plane through
+/// the vertex of the first surface. Returns the ray just behind `surface`, at the plane through that
+/// surface's vertex.
 [[nodiscard]] ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, ParaxialRay at_first,
                                        std::size_t surface);
 

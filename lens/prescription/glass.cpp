@@ -48,8 +48,8 @@ Glass Glass::three_points(const std::array<double, 3>& wavelengths_nm, const std
                           std::string name) {
     std::array<double, 3> x{};
     for (std::size_t i = 0; i < 3; ++i) x[i] = inverse_square_um(wavelengths_nm[i]);
-    // Parabola through the three refractive indices, over the inverse square x of the wavelength (Newton's
-    // divided differences).
+    // The refractive index is a parabola in x, the inverse square of the wavelength. It passes through the
+    // three given indices (Newton's divided differences).
     const double first = (indices[1] - indices[0]) / (x[1] - x[0]);
     const double second = ((indices[2] - indices[1]) / (x[2] - x[1]) - first) / (x[2] - x[0]);
     Glass out;

@@ -13,7 +13,8 @@ namespace postlens {
 /// the lead-free replacement ("N-BK7"). The result is empty if the name is unknown.
 [[nodiscard]] std::optional<Glass> find_glass(std::string_view name);
 
-/// Returns the published index nd, to five decimals, or nothing if the name is unknown.
+/// Returns the published refractive index nd (at the d line) of a glass, to five decimals, or nothing if the
+/// glass is unknown.
 [[nodiscard]] std::optional<double> published_nd(std::string_view name);
 
 /// Names of all glasses, in the makers' spelling.

@@ -18,8 +18,8 @@ inline constexpr std::size_t most_surfaces = 500;
 /// Number of terms in the polynomial r^2, r^4, ... r^20 of an even asphere.
 inline constexpr std::size_t asphere_terms = 10;
 
-/// A surface of revolution about the z axis, which points from the scene to the film. At radius r, its
-/// distance from its vertex plane (the sag) is
+/// A surface of revolution about the z axis, which points from the scene to the film. c is the curvature, k
+/// the conic constant. At radius r, the distance from the vertex plane (the sag) is
 ///
 ///     c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i)
 struct Surface {
@@ -72,10 +72,10 @@ struct Prescription {
 /// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that overlap by more than 1 % of their clear radii: both clear radii shrink
-/// to where the surfaces meet. A note is added.
+/// Repairs neighbouring surfaces that cross, if they overlap by more than 1 % of their clear radii: both
+/// clear radii shrink to where the surfaces meet. A note is added.
 ///
-/// Surfaces that meet closer to the axis than 1 % of their clear radii stay unchanged, and
+/// If the surfaces meet within 1 % of their clear radii from the axis, they stay unchanged, and
 /// check_prescription rejects them.
 void clip_crossings(Prescription& lens);
 

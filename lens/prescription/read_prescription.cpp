@@ -43,7 +43,8 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Replaces all characters other than printable ASCII. The encoding of names in these files is unknown.
+// Replaces all characters of a lens file other than printable ASCII. The encoding of names in lens files is
+// unknown.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

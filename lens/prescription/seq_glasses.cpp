@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-// Returns true if the Sellmeier terms can describe a real glass. Its poles must lie outside the visible
-// spectrum: below 0.32 um or above 2 um.
+// Returns true if the Sellmeier terms can describe a real glass. The Sellmeier formula's poles must lie
+// outside the visible spectrum: below 0.32 um or above 2 um.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
     return n > 1.2 && n < 4 &&
@@ -54,7 +54,8 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
     return glass_by_name(file_, line, word);
 }
 
-// Defines a private glass, which the file itself describes, by a formula. Missing coefficients are 0.
+// Defines a private glass, that is, a glass that the lens file itself describes. `formula` gives the
+// refractive index; missing coefficients are 0.
 void SeqGlasses::define_by_formula(int line, const std::string& key, const std::string& formula,
                                    std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",

@@ -137,7 +137,8 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius may be in any order.
+// Reads the CODE V command CIR for a clear radius: CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before
+// the radius may be in any order.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -191,8 +192,8 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // Ignores all other commands, such as weights and displays, because they do not affect the shape of the
-    // lens.
+    // Ignores CODE V commands that are not tested above, such as weights and displays, because they do not
+    // affect the shape of the lens.
 }
 
 void SeqReader::command(int line, const SeqWords& words, bool glasses) {

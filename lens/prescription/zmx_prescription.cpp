@@ -93,8 +93,8 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // Index nd and Abbe number Vd in the line define a glass that is not in the catalogue. But 1.5 and 40 are
-    // usually placeholders of Zemax, which define no glass.
+    // If the catalogue does not contain the glass, the file's index nd and Abbe number Vd define it. But 1.5
+    // and 40 are usually placeholders of Zemax, which define no glass.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
@@ -200,15 +200,16 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane in air is only a reference plane and blocks no light. Its stated diameter is ignored.
+        // A plane surface with air on both sides is only a reference plane and blocks no light. So the
+        // diameter that the file states is ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // The file gives the coefficient a_i of r^(2i) in its own unit, of U mm. In mm, the coefficient
-            // is a_i U / U^(2i).
+            // The file's unit of length is U mm. The file gives the coefficient a_i of r^(2i) of an asphere
+            // in this unit. In mm, it is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }
@@ -235,8 +236,8 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // The reader stores all field values of the file as angles. If the file's key FTYP says that they are
-    // heights, they are discarded.
+    // The fields in the file are angles or heights, as its key FTYP says. The reader has stored all as
+    // angles, so heights are discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

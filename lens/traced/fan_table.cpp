@@ -57,8 +57,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Beyond the table's depths, impulse responses are extrapolated linearly, by at most 1000 table steps so
-    // that they stay finite.
+    // At depths outside the table of fans, impulse responses are extrapolated linearly, by at most 1000 table
+    // steps (`depth_part`) so that they stay finite.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -69,9 +69,9 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // Beyond the table's range of depths, only the rays' landing points on the film are extrapolated. The
-    // rays' positions in the pupil, and their light, change little with depth, so the values at the end of
-    // the table are used.
+    // At depths outside the table of fans, only the rays' landing points on the film are extrapolated. The
+    // rays' positions in the pupil, and their light, change little with depth, so the table's nearest depth
+    // gives them.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

@@ -1,5 +1,5 @@
-// Impulse responses of a ray-traced lens, interpolated in a table of fans. A fan is a bundle of rays from one
-// object point through the lens.
+// Impulse responses of a ray-traced lens. Each is represented by a fan, a bundle of rays from one object
+// point through the lens. Fans are interpolated in a table.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,15 @@
 namespace postlens {
 
 /// A table of fans: bundles of rays from one object point through the lens. The points lie on a grid of
-/// inverse depths and field tangents.
+/// inverse depths and tangents of the angle from the axis.
 ///
 /// Between grid points, fans are interpolated linearly (errors in docs/lens.md). Results are bit-identical
 /// for any number of threads.
 class FanTable {
   public:
-    /// Traces fans for object points with inverse depths from 0 to largest_inverse_depth_per_m, or to the
-    /// focus if that is nearer. The tangent of a point's angle from the axis ranges from 0 to
-    /// `widest_tangent`. Fans of nearer points are extrapolated.
+    /// Traces fans of rays from object points. Inverse depths range from 0 to the larger of
+    /// largest_inverse_depth_per_m and the inverse focus distance, and the tangents of the points' angles
+    /// from the axis from 0 to `widest_tangent`. Fans of nearer points are extrapolated.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
@@ -25,10 +25,10 @@ class FanTable {
     /// is the tangent of the pixel's angle from the axis.
     [[nodiscard]] double light(double tangent) const;
     /// Returns an upper bound of the blur kernel's radius at an inverse depth, as a fraction of the film
-    /// distance.
+    /// distance (so independent of the pixel size).
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Returns an upper bound of how fast the blur kernel changes over the image. If the object point's image
-    /// moves by 1 px, each ray's displacement from this image changes by at most this many px.
+    /// moves by 1 px, no ray's landing point, relative to this image, moves by more than this many px.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

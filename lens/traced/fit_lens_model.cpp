@@ -14,7 +14,7 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Error, in mm, of one coordinate (x or y) of the film point at which the model predicts a ray to land. It is
+// Error, in mm, of the polynomial lens model's prediction of x or y where a ray lands on the film. It is
 // linear in the model's coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
@@ -48,7 +48,7 @@ struct EdgeResidual {
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
             const Number y = at.y - (c[0] + c[4] * K) * T - c[1] * (T * T * T);
-            // Adding 1e-12 avoids the infinite derivative of the square root at 0.
+            // At 0, the derivative of the square root would be infinite. Adding 1e-12 avoids this.
             const Number outside = sqrt(at.x * at.x + y * y + 1e-12) - (c[2] + c[3] * (T * T) + c[5] * K);
             if (first || outside > residual[0]) residual[0] = outside;
             first = false;
@@ -111,8 +111,8 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray at the height q in the pupil, with field tangent t, meets this lens surface at the
-        // height a q - b t. Two traced rays give the factors a (for t = 0) and b (for q = 0).
+        // A paraxial ray at the height q in the entrance pupil, with field tangent t, meets this lens surface
+        // at the height a q - b t. A ray with t = 0 gives a, and a ray with q = 0 gives b.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

@@ -25,7 +25,7 @@ void PolynomialLens::terms(double u, double v, double T, double K, std::array<do
     const double r2 = u * u + v * v, T2 = T * T;
     // Terms of the two polynomials for x and y of a ray's landing point on the film. They describe defocus,
     // field curvature, astigmatism, spherical aberration and coma. By mirror symmetry, x is odd and y even in
-    // the pupil coordinate u.
+    // the pupil coordinate u, so `of_x` omits a factor u.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
@@ -115,8 +115,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Returns the height, in mm, at which a paraxial ray meets the film (0 in focus). The ray goes from an
-    // object point on the axis through the pupil at height 1 mm.
+    // `landing` returns the height, in mm, at which a paraxial ray meets the film (0 in focus). The ray goes
+    // from an object point on the axis through the entrance pupil at height 1 mm.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -183,8 +183,8 @@ double LensModels::error_mm(LensModelKind kind, double depth_m, double tangent) 
             }
         }
     }
-    // Some rays pass the traced lens but not its model, or vice versa. The landing point of such a ray is
-    // compared with that of the nearest ray in the pupil that passes the lens and the model.
+    // Some rays pass only the traced lens or only its model. So their error is estimated: their landing point
+    // on the film is compared with that of the nearest ray in the pupil that passes both.
     for (const Node& node : one) {
         dvec2 off = node.film;
         double nearest = HUGE_VAL;

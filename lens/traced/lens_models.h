@@ -30,16 +30,16 @@ struct ModelRay {
 };
 
 /// Number of terms of the polynomial that predicts where a ray lands on the film. Its variables are the pupil
-/// point (u, v) and the field T. u and v are in pupil radii, with v along the field. T is the field tangent
-/// divided by the largest one.
+/// point (u, v), in pupil radii with v along the field, and T. T is the tangent of the object point's angle
+/// from the axis, divided by the largest tangent.
 inline constexpr std::size_t pupil_terms = 13;
-/// The polynomial lens model has each term twice: as it is, and multiplied by the normalised defocus 1/z' -
-/// 1/s (depth z', focus distance s).
+/// The polynomial lens model has each of these terms twice: alone, and multiplied by K. K is
+/// the defocus 1/z' - 1/s (depth z', focus distance s), divided by the largest defocus.
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
 /// One of the three circles whose intersection is the pupil of the polynomial lens model. Its centre and
-/// radius, in pupil radii, depend on the field tangent T and the defocus K, each divided by its largest
-/// value.
+/// radius, in pupil radii, depend on T (field tangent, divided by the largest field tangent) and K (defocus,
+/// divided by the largest defocus).
 /// - Centre: (0, (shift + shift_by_depth K) T + bend T^3).
 /// - Radius: radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
@@ -56,42 +56,43 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Computes where a ray lands on the film, for a depth > 0 and a field tangent >= 0 along +y. `pupil_mm`
-    /// is on the plane of the paraxial pupil.
+    /// Computes where a ray lands on the film. Its object point has a depth > 0 and, along +y, an angle from
+    /// the axis with `tangent` >= 0. `pupil_mm` is on the plane of the paraxial entrance pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the polynomial's terms for the landing point's x and y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                       std::array<double, polynomial_terms>& y);
 };
 
-/// The depths and fields at which a model is fitted or tested.
+/// The depths and field tangents of object points for which a lens model is fitted or tested.
 struct LensModelRange {
     std::vector<double> depths_m;  ///< > 0, infinity allowed
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
 /// Returns `count` depths from a_m to b_m (may be infinite), in equal steps of inverse depth, and `count`
-/// field tangents, from 0 to the largest.
-/// - field_mm: distance from the film centre at which the chief ray of the largest tangent lands
+/// tangents of angles from the axis, beginning with 0.
+/// - field_mm: distance from the film centre at which the chief ray at the largest angle lands
 ///
 /// Throws Error(wrong_arguments) unless 0 < a_m < b_m, or if no chief ray lands at field_mm.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
-/// All models of one lens (LensModelKind). `lens` and `traced` must outlive this object.
+/// All models (LensModelKind) that predict where rays of one lens land on the film. `lens` and `traced` must
+/// outlive this object.
 class LensModels {
   public:
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent`
-    /// give the object point, and `pupil_mm` the ray's point in the pupil. Call set_polynomial before using
-    /// the polynomial model.
+    /// Returns where a ray lands on the film according to one of the lens models. `depth_m` and `tangent` (of
+    /// its angle from the axis) give the object point, and `pupil_mm` the ray's point in the entrance pupil.
+    /// Call set_polynomial before using the polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Returns the error of a lens model: the RMS distance on the film, in mm, between its landing points and
-    /// those of traced rays. Rays are on a uniform grid in the pupil. Landing points are relative to the
-    /// chief ray's.
+    /// Returns the error of a lens model: the RMS distance on the film, in mm, between where it lets rays
+    /// land and where traced rays land. Rays are on a uniform grid in the pupil. Landing points are relative
+    /// to the chief ray's.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns a lens model's largest error, in mm, over all depths and field positions of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;

@@ -65,8 +65,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     bool met = discriminant >= 0;
     if (met) {
         const double root = sign * std::sqrt(discriminant);
-        // The quadratic equation for t has the solution f / (b + root) = (b - root) / a. Of these equal
-        // forms, computes the one in which no digits cancel.
+        // a t^2 - 2 b t + f = 0 has the solution t = f / (b + root) = (b - root) / a. Of these equal forms,
+        // computes the one in which no digits cancel.
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
@@ -108,14 +108,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // The comparison is false for NaN, so such rays count as vignetted.
+    // If p is NaN, `inside` is false, so the ray counts as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;
 }
 
-// Refracts a ray by Snell's law, n' (d' x N) = n (d x N), with `ratio` n / n'. Returns false for total
-// reflection.
+// Refracts a ray of direction d at a surface with normal N. By Snell's law, n' (d' x N) = n (d x N) for the
+// refracted direction d'. `ratio` is n / n'. Returns false for total reflection.
 bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
     const double cosine = glm::dot(direction, normal);
     const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);

@@ -19,7 +19,7 @@ enum class RayFate : std::uint8_t {
     reflected,  ///< total internal reflection
 };
 
-/// The result of tracing a ray. If the ray does not pass, `surface` is the surface where it ends.
+/// The result of tracing a ray through a lens. A ray that does not pass the lens ends at `surface`.
 struct RayEnd {
     RayFate fate = RayFate::passes;
     std::size_t surface = 0;  ///< index into the prescription's surfaces
@@ -56,8 +56,8 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last surface, or in front of
-    /// the surface where it ends.
+    /// Traces a ray from the scene to the film. `ray` becomes the ray behind the last lens surface, or, if it
+    /// does not pass, in front of the surface where it ends.
     ///
     /// `hits` is empty, or has size() elements that receive the intersections.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,

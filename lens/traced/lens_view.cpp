@@ -18,8 +18,8 @@ constexpr std::size_t chief_rays = 257;
 /// Field tangent (tangent of the angle from the axis) at which the paraxial image scale is measured.
 constexpr double small_tangent = 1e-4;
 
-// Returns how far from the film centre the ray through the stop's centre lands, or a negative number if it is
-// blocked.
+// Returns how far from the film centre the ray from an object point through the stop's centre lands, or a
+// negative number if it is blocked.
 double chief_radius_mm(const TracedLens& lens, double depth_m, double tangent) {
     const dvec2 field(0, tangent);
     const std::optional<dvec2> aim = lens.aim_at_stop(depth_m, field);
@@ -93,7 +93,7 @@ double LensView::light(double tangent) const {
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
     }
-    // The region of passing rays is symmetric, and only one half was integrated.
+    // The region of lens points where rays pass is symmetric about x = 0, and only one half was integrated.
     return 2 * sum;
 }
 
@@ -137,8 +137,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The lens rotates the image on the film by 180 degrees, so x changes its sign. The sign of y changes
-    // twice, because y points down on the raster but up on the film.
+    // Converts a pixel's direction to a film point. The lens rotates the image by 180 degrees, so x changes
+    // its sign. y changes its sign twice, because y points down on the raster but up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

@@ -1,4 +1,4 @@
-// A real lens framed like a pinhole: each pixel shows the same direction in both images.
+// The image of a real lens, framed like that of a pinhole: a pixel shows the same direction in both images.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -29,7 +29,7 @@ struct ViewRay {
 /// A view through a lens whose distortion is corrected: points in the focus plane appear where the pinhole
 /// shows them. Vignetting and blur remain.
 ///
-/// Framing::keep scales the film so that it covers the field of view of the pinhole image.
+/// Framing::keep scales the film, so that the field of view is that of the pinhole image.
 class LensView {
   public:
     /// Throws Error(wrong_arguments) if `settings.film` is out of range. Also throws the errors of
@@ -44,8 +44,8 @@ class LensView {
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
     /// Computes the ray in the scene whose light reaches a pixel through one point of the lens. `tangent` is
-    /// the pixel's direction, and `uv` selects the lens point, as in TracedLens::scene_ray. Returns false if
-    /// the lens blocks the ray. Does not allocate memory.
+    /// the pixel's direction (x/z', y/z'), and `uv` in [0, 1)^2 selects the lens point
+    /// (TracedLens::scene_ray). Returns false if the lens blocks the ray. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
     /// Returns the light that a pixel receives from a uniform scene, relative to the centre pixel. `tangent`

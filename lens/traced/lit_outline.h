@@ -24,8 +24,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches for the region of rays that pass the lens, beginning at `near`. Sets `near` to its centre and
-    /// `edge` to its outline. Returns false if no ray passes.
+    /// Searches the plane for the region where rays pass the lens, beginning at the point `near`. Sets `near`
+    /// to the region's centre and `edge` to its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);

@@ -73,7 +73,7 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A ray of the fan with its landing point on the raster.
+/// A ray of a fan, which is a bundle of rays from one object point.
 struct Placed {
     dvec2 px{0};     ///< landing point, px from the response's raster position
     dvec2 pupil{0};  ///< where the ray passes the pupil

@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Traced rays of an object point on the +y axis. Their points in the pupil form a mesh of rings and spokes.
-/// It covers the part of the pupil through which light passes, from the centre to the edge.
+/// Traced rays of an object point on the +y axis. The points where they cross the pupil form a mesh of rings
+/// and spokes, from the centre to the edge of the area through which light passes.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< directions over half a turn of the pupil, from +y to -y
@@ -52,8 +52,8 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, px from the response's raster position
 };
 
-/// Returns the radius, in px, of a fan's impulse response: the largest distance from the object point's
-/// pinhole image to a point where a ray of the fan lands.
+/// Returns the radius, in px, of an object point's impulse response: the largest distance from the point's
+/// pinhole image to where a ray of `fan` lands.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
 /// Computes the impulse response on the pixel grid. The rays of `fan` form a mesh, and the light of each mesh

@@ -75,8 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // No ray passes the lens. The error message names the surface at which a ray at 0.7 of the pupil
-        // radius ends.
+        // No ray passes the lens. To show where rays end, traces a ray at 0.7 of the pupil radius. The error
+        // message names the surface at which it ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -91,8 +91,9 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The object's depth and field angle are measured from the pinhole, and the ray starts at the entrance
-    // pupil. The pinhole and the pupil differ in position, because focusing moves only the pupil.
+    // The object's depth and field angle are measured from the pinhole, but the ray starts at the entrance
+    // pupil. Their positions differ if the lens is moved to focus: the pupil moves with the lens, and the
+    // pinhole does not.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -128,9 +129,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle. So the search for the ray through the
-    // stop's centre can fail. It is then repeated for field angles that increase in steps from 0, each time
-    // from near the last result.
+    // In a wide-angle lens, the pupil moves with the field angle, so the search for the ray through the
+    // stop's centre can fail. It is then repeated for field angles that increase in steps from 0 to the given
+    // angle. Each search begins at a point extrapolated from the previous results.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -199,8 +200,8 @@ void TracedLens::set_focus(const Prescription& lens) {
         return;
     }
     // By Newton's equation, the object's distance from the front focal point times the image's distance from
-    // the rear focal point is n' efl^2 (image index n'). So the sum of these distances is at least
-    // 2 sqrt(n') efl.
+    // the rear focal point is n' efl^2 (image index n'). So the sum of these distances, which limits the
+    // focus, is at least 2 sqrt(n') efl.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -210,8 +211,9 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the lens extension e, where film(d) is the film position
-    // that focuses distance d. film(s - e) grows with e, so the iteration converges from below.
+    // The lens moves by e towards the scene and focuses the remaining distance s - e: e = film(s - e) -
+    // film(infinity). film(d) is the film position that focuses distance d. film(s - e) grows with e, so the
+    // iteration converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -243,8 +245,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Uses only the largest connected group of rays that pass the lens surfaces. In a real lens, the mount
-    // would block any separate group of rays.
+    // The rays that pass the lens surfaces may form separate groups of grid points. Uses only the largest,
+    // because in a real lens, the mount would block the others.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -376,8 +378,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near `centre`, because strong aberrations have moved the pupil. So all rays that meet
-        // the first lens surface are searched.
+        // No ray passes near the expected pupil centre `centre`, because strong aberrations have moved the
+        // pupil. So the search is repeated among all rays that meet the first lens surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
@@ -398,8 +400,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Weight of a ray: solid angle per area of the pupil plane (cos^3 / depth^2), relative to the ray
-        // through the pupil's centre.
+        // Weight of a ray: solid angle per area of the pupil plane, relative to the ray through the pupil's
+        // centre. It is proportional to cos^3, but equal for the parallel rays from infinity.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

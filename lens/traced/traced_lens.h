@@ -24,8 +24,8 @@ enum class FocusMove {
 
 struct TracedLensSettings {
     /// Focus distance s > 0, measured from the pinhole of the camera; may be infinite. If it is absent, the
-    /// film is where the prescription places it. If the prescription states no film position, infinity is in
-    /// focus.
+    /// film is where the lens prescription places it, or where infinity is in focus if the prescription does
+    /// not say.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -41,8 +41,8 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// Rays from one object point through a grid of points in the entrance pupil. They represent its impulse
-/// response. A PupilMesh that is filled again reuses its memory.
+/// Rays from one object point through a grid of points in the entrance pupil. Their landing points represent
+/// the object point's impulse response. A PupilMesh that is filled again reuses its memory.
 struct PupilMesh {
     int nodes = 0;  ///< rays along each side of the grid; ray (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
@@ -73,7 +73,7 @@ class TracedLens {
     [[nodiscard]] const TracedLensSettings& settings() const { return settings_; }
     [[nodiscard]] double f_number() const { return f_number_; }
     [[nodiscard]] double wavelength_nm() const { return wavelength_nm_; }
-    /// Returns z of the film, measured from the pinhole: the film distance of the equivalent pinhole camera.
+    /// Returns the distance from the pinhole to the film: z of the film in the frame of the pinhole.
     [[nodiscard]] double film_z_mm() const { return film_from_vertex_mm_ - pinhole_from_vertex_mm_; }
     /// Distance from the last surface's vertex to the film.
     [[nodiscard]] double film_distance_mm() const { return film_from_vertex_mm_ - stack_.last_vertex_z_mm(); }

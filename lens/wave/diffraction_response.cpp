@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, one for each step size of RadialEnergy.
+/// Tables of the Bessel functions J_0 and J_1, one for each of the two step sizes of RadialEnergy::step_for.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -63,7 +63,8 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes of the grids and tables for one depth, computed before memory is allocated.
+/// Sizes of the pixel grid and radial profile of one depth's impulse response, computed before memory is
+/// allocated.
 struct Plan {
     double radius_px = 0;
     ResponseGrid window;  ///< pixels of the response, without values
@@ -87,7 +88,8 @@ Plan plan_of(double coc_px, const std::vector<WaveScale>& scales, const Diffract
     return plan;
 }
 
-/// Sets pixels beyond the circle to 0. Otherwise bright points would show the square grid.
+/// Sets pixels of an impulse response outside a circle to 0. Otherwise its square grid would be visible
+/// around bright points.
 void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseGrid& grid) {
     const auto nearest = [](double begin) { return begin > 0 ? begin : begin < -1 ? begin + 1 : 0.0; };
     for (int j = 0; j < grid.height; ++j) {
@@ -102,8 +104,8 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // Solves (2/pi) v / (v^2 - u^2) = tail for v. The left side is approximately the fraction of the energy
-    // that diffraction spreads beyond the radius v at defocus u.
+    // Solves (2/pi) v / (v^2 - u^2) = tail for the radius v, in optical units like the defocus u. The left
+    // side is approximately the fraction of the energy that diffraction spreads beyond v.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }

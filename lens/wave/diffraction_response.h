@@ -15,8 +15,8 @@ namespace postlens {
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< point's geometric image, px from the response's raster position
-    /// Largest fraction of the energy, between 0 and 1, that may lie beyond the edge of the pixel grid.
-    /// Energy decreases only as 1 / radius, so small fractions need large grids.
+    /// Largest fraction of an impulse response's energy, between 0 and 1, that may lie beyond the edge of its
+    /// pixel grid. This fraction decreases only as 1 / radius, so small fractions need large grids.
     ///
     /// At 0.01, the grid ends about 8 Airy radii outside a strongly defocused disc.
     double tail = 0.01;

@@ -126,7 +126,7 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Returns an upper bound of the memory, in bytes, for the response and two temporary arrays.
+/// Returns an upper bound of the memory, in bytes, for an impulse response and two temporary arrays.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -138,16 +138,16 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity of the disc relative to the peak in focus: 1 / (pi R^2) divided by v_per_px^2 / (4 pi),
-        // with the disc's radius R = u / v_per_px.
+        // Intensity of a uniform disc of radius R = u / v_per_px, relative to the peak in focus: 1 / (pi R^2)
+        // divided by v_per_px^2 / (4 pi). u is the defocus, v the optical radius.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
-/// Computes the response, without diffraction, of an aperture that need not be round. So there is no radial
-/// profile.
+/// Computes the impulse response, without diffraction, of an aperture. The aperture need not be round, so no
+/// radial profile is computed.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
@@ -200,8 +200,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width, an odd number of px, of the pixel grid for an impulse response. The grid
-/// contains all light of geometric optics, which ends at `farthest_px`, and about 99 % of diffracted light.
+/// Returns the default width, an odd number of px, of the pixel grid for an impulse response. Without
+/// diffraction, all light lies within `farthest_px` of the centre, and the grid contains it. With
+/// diffraction, it contains about 99 % of the light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {

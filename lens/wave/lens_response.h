@@ -16,8 +16,9 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture for impulse responses without diffraction. If absent, it is made from `impulse`. It must
-    /// be set if the aperture is an image, because `impulse` contains only the image's file name.
+    /// The aperture for impulse responses without diffraction. If absent, it is made from the settings
+    /// `impulse`. It must be set if the aperture is an image, because `impulse` contains only the image's
+    /// file name.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -47,8 +48,8 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, it does not depend on
     /// single bright fringes. Absent if it exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Radial profile from the response's centre to half the grid's width. If possible, it has four uniform
-    /// samples per unit of v (the optical radius), but always 512 to 8192 samples.
+    /// Radial profile of the impulse response, from the centre to half the grid's width. If possible, it has
+    /// four uniform samples per unit of the optical radius v, but always 512 to 8192 samples.
     std::vector<RadialSample> profile;
 };
 

@@ -16,22 +16,22 @@ struct WaveScale {
 /// longest_wavelength_nm].
 void check_wavelength(double wavelength_nm);
 
-/// Largest accepted |u| (defocus). Beyond it, fringes are narrower than a millionth of the disc, and the
-/// geometric disc is accurate.
+/// Largest accepted |u|, the defocus in optical units. Beyond it, diffraction fringes are narrower than a
+/// millionth of the blur disc, and the disc of geometric optics is accurate.
 inline constexpr double largest_u = 1e6;
 
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns the scales of diffraction for a thin lens focused at s > F, with a finite f-number: v_per_px, and
-/// the defocus u. The edge of the geometric disc is at the radius v = |u|, because |u| is v_per_px times the
+/// Returns the scales of diffraction for a thin lens with a finite f-number, focused beyond its focal length.
+/// The geometric disc ends at the optical radius v = |u|, because the defocus |u| is v_per_px times the
 /// radius of the circle of confusion, in px.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scales of diffraction for a traced image: v_per_px = 2 pi a / (lambda gain_px) and the defocus
-/// u = v_per_px coc_diameter_px / 2. lambda is the wavelength. Aperture radius a, gain_px and coc_diameter_px
-/// are members of FocusGeometry.
+/// Returns the scales of diffraction for a traced image at wavelength lambda. The optical radius per px is
+/// v_per_px = 2 pi a / (lambda gain_px), and the defocus is u = v_per_px coc_diameter_px / 2. Aperture radius
+/// a, gain_px and coc_diameter_px are members of FocusGeometry.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
