@@ -16,15 +16,15 @@ struct FieldBlurSettings {
     Exposure exposure;
     ShutterCurve curve = ShutterCurve::box();
     /// Number of instants whose images are averaged, 1..most_views. If absent, it is chosen from the longest
-    /// path.
+    /// motion path of an object.
     std::optional<int> views;
     /// Part of the image to draw. Only tiles of the image that overlap it are drawn; other tiles stay as they
     /// are.
     std::optional<Crop> crop;
 };
 
-/// Returns the directly visible surfaces of a file, one mesh per recorded instant. Reflections are assumed to
-/// move with the mirror, and refractions with the glass.
+/// Returns one mesh per recorded instant, made from the directly visible surfaces of a file. Reflections and
+/// refractions have no mesh: they are assumed to move with the mirror or glass.
 [[nodiscard]] std::vector<SheetMesh> blur_sheets(const SampleFileReader& file);
 
 struct FieldBlur {
@@ -41,14 +41,15 @@ inline constexpr std::uint8_t wanted_mark = 2;
 /// from the recorded instants before and after it.
 ///
 /// `motion` maps image positions from one instant to another, and `ids` lists which objects move and how far.
-/// Only the image tiles that objects of `wanted_ids` (sorted) may change are computed.
+/// `wanted_ids` (sorted) are the objects to blur. Image tiles that they cannot reach are not computed.
 [[nodiscard]] FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& sheets,
                                    const FrameMotion& motion, const std::vector<IdMotion>& ids,
                                    const std::vector<std::uint32_t>& wanted_ids,
                                    const FieldBlurSettings& settings);
 
-/// Draws the mean of the views (images at different instants) in the tiles that overlap `crop`. Pixels over
-/// which nothing moves count as fully recorded: PatchPicture::unknown is 0.
+/// Draws the mean of the views (images at different instants) in the image tiles that overlap `crop`. Pixels
+/// over which no object moves get PatchPicture::unknown = 0, because they keep the colours of the static
+/// image.
 ///
 /// `field.sets` must have one element. `field.class_marks` must not be empty, because it marks moving
 /// objects.

@@ -29,8 +29,8 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error (Crossing::most_mse) with which the method `automatic` convolves groups of moving objects
-/// that pass over the same pixels. Up to this value, the measured PSNR was at least 45 dB.
+/// The method `automatic` convolves groups of moving objects that pass over the same pixels if the error of
+/// this (Crossing::most_mse) is at most this value. Up to it, the measured PSNR was at least 45 dB.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -48,8 +48,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Moving shadows and lights change static surfaces too, so their pixels are averaged over all
-        // instants.
+        // Shadows and light also change static surfaces. So pixels over which nothing moves become the mean
+        // of all recorded instants.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -89,8 +89,8 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // Also classifies the objects in the frame's other recorded instants, because an object may move
-        // differently at these instants, or be recorded only there.
+        // Also determines the kind of motion of each object from the other recorded instants. An object may
+        // move differently there, or be recorded only there.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -163,14 +163,14 @@ class MotionBlur {
     }
 
     // Returns true if the border of the recorded image cuts off a part of the object at the frame's instant.
-    // Convolution cannot show this part, because it uses this instant only. The method lightfield can show
-    // it, if another recorded instant contains it.
+    // Convolution uses only this instant, so it cannot show this part. The method lightfield can, if another
+    // recorded instant contains it.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Returns true if shadows, reflections or shading may change during the exposure. Convolution of one
-    // instant cannot show this.
+    // Returns true if shadows, reflections or shading may change during the exposure. The method lightfield
+    // is then used, because convolution blurs the light of a single instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -188,7 +188,8 @@ class MotionBlur {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
         };
-        // A margin of 2 pixel rows allows for the width of a sample and the rounding of the motion path.
+        // A margin of 2 pixel rows above and below the moving objects allows for the width of a sample and
+        // the rounding of the motion path.
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
@@ -251,8 +252,8 @@ class MotionBlur {
         });
     }
 
-    /// Blurs groups of moving objects by convolution. With the method `automatic`, leaves a group to the
-    /// method `lightfield` if another group passes over the same pixels and convolution would cause a large
+    /// Blurs groups (objects with the same motion path) by convolution. With the method `automatic`, a group
+    /// remains for the method `lightfield` if another group crosses it and convolution would cause a large
     /// error.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
@@ -283,9 +284,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Unrecorded background is interpolated from static pixels. Without static pixels, it is
-            // interpolated from the blurred image. The whole image is blurred for this, because the result
-            // must not depend on the crop.
+            // Background behind moving objects may not be recorded. It is interpolated from static pixels,
+            // or, if there are none, from the blurred image. The whole image is blurred for this, because the
+            // result must not depend on the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -342,8 +343,8 @@ class MotionBlur {
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds to `moving` the moving objects of which the file has no samples, because they may be visible in
-    // mirrors and glass.
+    // The file has no samples of some moving objects, but mirrors and glass may show them. Adds these objects
+    // to `moving`.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);

@@ -16,8 +16,9 @@ namespace postlens {
 /// Method by which moving objects are blurred.
 /// - convolve: convolves the objects' image with the image of their common path.
 /// - lightfield: averages views of the surfaces at many instants.
-/// - automatic: convolve for objects that move parallel to the film, and lightfield for all others. An object
-///   with parallax must also be a single surface, alone in its range of depth.
+/// - automatic: convolve for objects that move parallel to the film, and lightfield for all others. If near
+///   parts of an object move farther than distant parts, convolve also needs a single surface, alone in its
+///   range of depth.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
@@ -38,7 +39,7 @@ struct MotionWarning {
     std::string text;
 };
 
-/// The method that was chosen for an object id, and the reason.
+/// How one object was blurred: the method that was chosen, and the reason.
 struct ObjectReport {
     std::uint32_t id = 0;
     std::string name;
@@ -46,8 +47,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices that method convolve blurs
-    /// The motion path that convolution uses: its number of points, the number of knots of the spline fitted
-    /// to it (0 if none), and the error of this fit.
+    /// Method convolve moves the object along a path of `path_points` points. `fitted_knots` is the number of
+    /// knots of the spline fitted to it (0 if none), and `fit_error_px` the error of this fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;
@@ -67,10 +68,10 @@ struct MotionBlurResult {
 void check_exposure(const Exposure& exposure);
 
 /// Computes the motion-blurred image of a sample file, bit-identical for any number of threads. If nothing
-/// moves, it is the pinhole image.
+/// moves, it is the image that the file records.
 ///
 /// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for damaged files or unknown
-/// ids, and Error(out_of_memory).
+/// object ids, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

@@ -22,7 +22,7 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects to include all directly visible samples in a band of pixel rows.
+/// Enlarges the bounding boxes of objects to include their directly visible samples in a band of pixel rows.
 /// `only` (sorted) selects the objects; if it is empty, all are selected. Returns whether the band contains a
 /// sample of a selected object.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
@@ -30,8 +30,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Parallel to the film, but near points move farther than distant points: within 0.25 px, displacements
-    /// are proportional to inverse depths.
+    /// The object moves parallel to the film, but its near points move visibly farther than its distant
+    /// points. Within 0.25 px, displacements are proportional to inverse depths.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -44,8 +44,8 @@ struct IdMotion {
     /// How differently parts of the object move: largest difference, in px, between the displacements of a
     /// corner of its bounding box and of the box's centre. Infinite if the box passes the camera.
     double deviation_px = 0;
-    /// Largest error, in px, if the displacements of the bounding box's corners are assumed to depend only on
-    /// their depths (parallax).
+    /// Largest error, in px, of assuming pure parallax: that the displacement of each corner of the bounding
+    /// box depends only on the corner's depth.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's recorded samples, 1/m
@@ -71,8 +71,9 @@ inline constexpr double translation_px = 0.25;
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 
-/// Returns the instants at which motions are compared. These are uniform steps of the exposure, and all
-/// instants in it at which the velocity may change abruptly (`breaks_s`).
+/// Returns the instants at which the displacements of objects are evaluated to classify their motion. These
+/// are uniform steps of the exposure, and all instants in it at which the velocity may change abruptly
+/// (`breaks_s`).
 [[nodiscard]] std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure);
 
 }  // namespace postlens

@@ -205,8 +205,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// The border of the traced area may cut off a part of an object. Returns true if the motion `map` moves this
-/// missing part into the image.
+/// The border of the traced area may cut off a part of an object. Returns true if the object's motion, `map`,
+/// would bring this unrecorded part into the image.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -335,7 +335,7 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
         // The image at time t is made from the recorded instants before and after t. If neither shows the
-        // object, it is not visible at t, so t is skipped.
+        // object, it is not visible at t, so nothing of it can be cut off.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -354,8 +354,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, all surfaces at the border move, and all would cause the warning "overscan".
-        // The method lightfield gives the warning "uncovered" instead.
+        // If the camera moves, the warning "overscan" would name every object at the border. For the method
+        // lightfield, the warning "uncovered" reports the missing surfaces instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

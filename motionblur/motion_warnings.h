@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Effects that cannot be shown by moving the recorded surfaces of one instant:
+/// If motion blur only moves the recorded surfaces of one instant, it cannot show these effects, which
+/// warnings() names:
 /// - "reflection": a mirror or glass shows an object that moves differently from the mirror or glass.
 /// - "shadow": a moving object may block the light. Its bounding sphere is tested.
 /// - "light": shading changes, because a light moves, or an object turns by over 15 degrees relative to a
@@ -20,7 +21,8 @@ namespace postlens {
 /// If possible() returns true, call add() for all pixel rows of the frame, and then warnings().
 class UnseenMotion {
   public:
-    /// `moving`: sorted ids of the moving objects. `header` must outlive this object.
+    /// `moving`: sorted ids of the moving objects, which may cause these effects. `header` must outlive this
+    /// object.
     UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
     ~UnseenMotion();
     UnseenMotion(const UnseenMotion&) = delete;
@@ -47,8 +49,8 @@ void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vect
 
 /// Returns whether a part of the object lies outside the traced area, but would be visible during the
 /// exposure.
-/// - `instants`: bounding boxes of all objects at each recorded instant that may be used; the frame's time
-///   comes first
+/// - `instants`: bounding boxes of all objects, for each recorded instant from which the image is made,
+///   beginning with the frame's own instant
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

@@ -17,8 +17,8 @@ namespace postlens {
 /// once for each of these positions.
 inline constexpr int most_places = 64;
 
-/// Automatic numbers of views. They are prime so that the views show a periodic motion at as many different
-/// phases as possible.
+/// Numbers of instants (views) for automatic settings. They are prime so that the views show a periodic
+/// motion at as many different phases as possible.
 inline constexpr std::array automatic_views{131, 257, 521};
 inline constexpr int most_views = 4096;  ///< largest number of instants (views) that a user may set
 
@@ -29,8 +29,8 @@ void check_views(const std::optional<int>& views);
 /// positions are far apart. `places` is their number, a power of 2.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Returns the automatic number of views for objects that move by up to `longest_px`: at least one view per 2
-/// px, but no more than 521 views. docs/motion.md states the error.
+/// Returns the automatic number of instants (views) to average, for objects that move by up to `longest_px`:
+/// at least one per 2 px, but no more than 521. docs/motion.md states the error.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Adds a band of an image, times `share`, to `sum`, and `share` to `weight`. Skips pixels marked in
-/// `hidden`.
+/// Adds the colours of a block of pixel rows, times `share`, to `sum`. Adds `share` to the pixels' `weight`.
+/// Skips pixels marked in `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -31,7 +31,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 }  // namespace
 
 // Each pixel stores the samples at its upper left corner and inside. The samples at its other corners are
-// stored with its right, lower, and lower right neighbours, so these are searched too.
+// stored with its right, lower, and lower right neighbours. So the records of these neighbours are tested
+// too.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

@@ -25,8 +25,8 @@ namespace {
 constexpr int first_views = 16;
 
 /// Once the image meets its target error, more views are drawn to narrow the 95 % confidence interval of this
-/// error. The number of views grows at most by the factor `most_narrowing` if rays are traced, otherwise by
-/// `most_narrowing_of_noise`.
+/// error. The number of views may grow by the factor `most_narrowing` with rays, or by
+/// `most_narrowing_of_noise` without rays.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of pixels in all views (images from different lens points) together. Each tile has its
@@ -37,7 +37,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns an increased number of views for each tile, to bring the image's error below `wanted_mse`.
+/// Returns an increased number of views (images from different lens points) for each tile. With them, the
+/// image's predicted squared error is below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -80,8 +81,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles in which rays must trace highlights, because spreading them by the lens's point spread
-/// function is too inexact.
+/// The lens's point spread function spreads highlights, with some error. Returns 1 for tiles in which this
+/// error is too large, so that rays must trace the highlights instead.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -96,7 +97,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Returns an increased number of views for each tile, to narrow the 95 % confidence interval of the error.
+/// Returns an increased number of views for each tile. More views reduce the variance of the measured error,
+/// which narrows its 95 % confidence interval.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const TileGrid& grid, const StatedError& error, double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
@@ -172,8 +174,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
-            // More lens points do not reduce errors of the recorded colours. If these errors exceed a quarter
-            // of the target error, rays replace all recorded colours in the tiles with the largest errors.
+            // More views do not reduce errors of the recorded colours. In the tiles with the largest errors,
+            // rays replace all recorded colours, so that the other tiles contribute at most a quarter of the
+            // target error.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -186,8 +189,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // More views do not reduce the error of the highlights. So the goal for the image's error is
-            // never set below half the error of the highlights.
+            // More views reduce the noise, but not the error of the highlights. Much less noise than this
+            // error would be useless, so the goal is at least half of it.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -199,8 +202,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             const bool is_first = most_samples == 0;
             if (is_first)
                 most_samples = drawn * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
-            // With 32 views per tile or fewer, the error measured in one tile is too inaccurate to choose
-            // tiles by it. So the number of views is doubled in every tile.
+            // With 32 views per tile or fewer, the error of a single tile is measured too inaccurately to
+            // give some tiles more views than others. So the number of views is doubled in every tile.
             const bool all = is_first && drawn <= 2.0 * first_views * grid.width * grid.height;
             next = all ? doubled_for(0) : narrowed(wanted, measured.tiles, grid, error, most_samples);
         }

@@ -32,11 +32,11 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Fraction of the reprojected pixels, over all lens points, whose colours the sample file does not
-    /// determine. Set only without a scene.
+    /// Fraction of the samples in all views that the file does not determine, because of an edge or an
+    /// unrecorded surface. Set only without a scene.
     double unsure_share = 0;
-    /// Set only without a scene, when no rays can measure the image's squared error. `noise_mse` is the part
-    /// due to noise, `bound_mse` an upper bound of the whole error.
+    /// Set only without a scene, because without rays the image's whole error cannot be measured. `noise_mse`
+    /// is the squared error due to noise, `bound_mse` an upper bound of the image's squared error.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;

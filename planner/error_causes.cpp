@@ -20,18 +20,18 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is wrong if the sRGB value of some channel differs from the reference image by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// To test a possible cause of a pixel's error, an image is made without this cause. The cause is confirmed
-/// if the squared error is then at most a quarter, that is, the error at most half.
+/// A possible cause of a pixel's error is tested with an image without this cause. The cause is confirmed if
+/// at most a quarter of the pixel's squared error remains, that is, half the error.
 constexpr double explained = 0.25;
 /// A cause of a pixel's error is accepted if it is estimated to explain at least this fraction of the
-/// measured squared error. The effect of too widely spaced samples is often underestimated, so the limit for
-/// this cause, `noticeable_density`, is lower.
+/// measured squared error. The effect of samples too far apart in the image is often underestimated, so their
+/// limit, `noticeable_density`, is lower.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
 /// A pixel is completely recorded if less than this fraction of its light is missing in the sample file.
 constexpr float tolerated_unknown = 0.02F;
-/// The scene is traced again with better settings if more than this fraction of the image's squared error has
-/// no known cause yet.
+/// If the causes of more than this fraction of the image's squared error are still unknown, the scene is
+/// traced again with better settings to find more causes.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -151,9 +151,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // For comparison, makes an image from the same records as the mean of many views, a method with correct
-    // occlusion and motion. If a pixel is much better in this image, the method of the tested image caused
-    // the pixel's error.
+    // `seen` is the mean of many views of the same sample file, a method with correct occlusion and motion.
+    // If a pixel is much better in `seen` than in `image`, the method that made `image` caused its error.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -189,8 +188,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing the scene again is expensive, so it is done only if the images made above (`seen` and `finer`)
-    // leave much of the error unexplained.
+    // Tracing the scene again is expensive. It is done only if much of the error of `image` remains in `seen`
+    // and `finer`, which were made from the same sample file.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -227,8 +226,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // This trial recorded the scene at more instants. Hardly any surface was missing in the pixel
-            // before, so new colours removed the error, not new surfaces.
+            // This trial recorded more instants of the scene, which adds surfaces and colours. Hardly any
+            // surface was missing in the pixel before, so the added colours removed its error.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

@@ -20,7 +20,8 @@ namespace {
 /// more than this radiance is reprojected to a wrong position.
 constexpr double tolerated = 0.02;
 
-/// Returns the fraction of the pixels in the image or crop for which the sample file is insufficient.
+/// Returns the fraction of the pixels, in the image or crop, with too much unrecorded light or light at a
+/// wrong position (`misplaced`).
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -85,8 +86,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// them.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which rays should trace the highlights, because spreading them by the lens's point
-/// spread function is less exact than rays.
+/// The lens's point spread function spreads highlights. Returns 1 for tiles in which rays would be more
+/// exact, so that they should trace the highlights instead.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());

@@ -14,9 +14,9 @@
 namespace postlens {
 namespace {
 
-/// The error is estimated from at least `least_views` separate views (images from different lens points).
-/// Their sets of lens points are numbered from `first_set` on. The image itself uses sets with smaller
-/// numbers, so its error is independent of these views.
+/// The error is estimated from at least `least_views` additional views (images from different lens points).
+/// Their lens points come from the sets `first_set` and above. The image itself uses lower sets, so its error
+/// is independent of these views.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

@@ -10,7 +10,8 @@ namespace postlens {
 
 /// Estimated squared errors of an image tile's sRGB values, as means over pixels and channels.
 struct PredictedTile {
-    /// Squared error relative to an image from infinitely many lens points, made from the same sample file.
+    /// Squared error of the tile, relative to an image from infinitely many lens points and the same sample
+    /// file.
     double method_mse = 0;
     double bound_mse = 0;  ///< upper bound of the error due to samples at edges or without a record
 };
@@ -18,7 +19,7 @@ struct PredictedTile {
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// PSNR of the image or crop, relative to a light field with infinitely many lens points from the same
+    /// Predicted PSNR of the image or crop. The reference is the mean of infinitely many views of the same
     /// sample file.
     double predicted_db = 0;
     double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
@@ -27,8 +28,8 @@ struct PredictedError {
 };
 
 /// Throws Error(wrong_arguments) if the error of an image cannot be predicted:
-/// - its blur is not a mean over lens points (`diffraction`, `lens:`)
-/// - the framing differs from that of the trace
+/// - its blur cannot be made by averaging images from lens points (`diffraction`, `lens:`)
+/// - its field of view differs from that of the trace (`framing` is not `keep`)
 /// - the file is orthographic
 /// - the crop exceeds the image
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);

@@ -44,8 +44,8 @@ StatedError stated_error(const MeasuredError& measured) {
         out.views_mse += share * tile.noise_mse;
         out.variance += share * share * tile.noise_variance;
     }
-    // By chance, the estimate may be too small or negative, so it is raised to at least its standard
-    // deviation.
+    // By chance, the noise estimated by views_mse may be too small. So it is raised to at least the standard
+    // deviation of this estimate.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
     const double mse = out.mse();

@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Wanted width of the 95 % interval of an image's error, in dB.
+/// Wanted width of the 95 % interval of an image's measured error, in dB. More views narrow it.
 inline constexpr double wanted_interval_db = 2;
 
 /// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
-/// The measured error of an image, by cause. Squared errors are means over pixels and channels, of sRGB
-/// values clamped to [0, 1].
+/// The measured error of an image: the noise of its views (images from different lens points) plus errors of
+/// the records. Squared errors are means over pixels and channels, of sRGB values clamped to [0, 1].
 struct StatedError {
     double views_mse = 0;              ///< noise of the views
     double bias_mse = 0;               ///< error of the records
@@ -31,8 +31,8 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of an image, as measured from two halves of its views (`measured`). The 95 % interval
-/// assumes that the logarithm of the error is normally distributed.
+/// Returns the error of an image and its 95 % interval. `measured` compares two halves of the views of which
+/// the image is the mean. The interval assumes that the logarithm of the error is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured);
 
 }  // namespace postlens

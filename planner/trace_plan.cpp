@@ -32,8 +32,8 @@ constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are
 constexpr int most_levels = 6;
 /// A trace must reach the target error in this fraction of the tiles, and in the mean of the image.
 constexpr double tiles_met = 0.9;
-/// Mean number of eye rays added when a quadtree cell is divided: through its centre, and through the
-/// midpoints of its sides, unless a ray was traced there before.
+/// Mean number of eye rays that the division of a quadtree cell adds. They pass through its centre and the
+/// midpoints of its sides, except where a ray was traced before.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
@@ -62,8 +62,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // Width of a pixel of the planned trace, in pixels of the preview. A preview pixel is `coarser` times as
-    // wide.
+    // The preview's pixels are `coarser` times as wide as those of the planned trace. `px` is the width of a
+    // pixel of the planned trace, in preview pixels.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -96,9 +96,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At quadtree level L, an edge crosses 2^L cells of a pixel, each with an area of 4^-L px^2.
-                // The errors of the cells' light are independent and proportional to this area. So the
-                // variance of the pixel's light is 2^L (4^-L)^2 = 2^-3L.
+                // At quadtree level L, an edge crosses 2^L cells of a pixel at unknown positions. The errors
+                // of these cells' light are independent, and proportional to the cell's area of 4^-L px^2. So
+                // the variance of the pixel's light is 2^L (4^-L)^2 = 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -107,10 +107,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At quadtree level L, an edge crosses 2^L cells of a pixel. The error of a cell is proportional
-            // to the cell's area, 4^-L px^2. Along an edge aligned with the quadtree, the cells' errors are
-            // equal and add up. Along a slanted edge, the errors are independent, so their squares add up.
-            // Squared error of the pixel:
+            // At quadtree level L, an edge crosses 2^L cells of a pixel at unknown positions. The error of a
+            // cell is proportional to its area, 4^-L px^2. An edge aligned with the quadtree crosses all
+            // cells at the same position, so their errors are equal and add up. With a slanted edge, they are
+            // independent, so their squares add up. Squared error of the pixel:
             // - aligned: (2^L 4^-L)^2 = 2^-2L
             // - slanted: 2^L (4^-L)^2 = 2^-3L
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
@@ -158,8 +158,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // The sample file may cause half of the squared error that the target allows. The noise due to the number
-    // of lens points may cause the other half.
+    // The target allows a squared error, of which half is left for the noise due to a limited number of lens
+    // points. The sample file may cause up to `most_mse`, the other half.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -190,13 +190,14 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
     // Hidden surfaces are traced in a strip beside each edge, as wide as the reach of the lens plus a margin
-    // in pixels. Preview pixels are `coarser` times as wide, so the planned trace has a strip narrower by
-    // this factor.
+    // in pixels. The margin of the preview is `coarser` times as wide, because its pixels are. So the planned
+    // trace has a strip narrower by this factor.
     const double narrower = (reach_px + LensReach::margin_px) / (reach_px + coarser * LensReach::margin_px);
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // No hidden surfaces are needed if CoC diameters in the scene differ by less than half a pixel.
+        // If CoC diameters in the scene differ by less than half a pixel, the lens cannot look visibly past
+        // edges, so no hidden surfaces are needed.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

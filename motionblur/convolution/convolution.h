@@ -14,8 +14,8 @@ struct Planes {
     std::vector<std::vector<float>> planes;
 };
 
-/// Method of convolving an object's raster with its path's raster.
-/// - direct: sums over the cells of the path, in runs of equal weight.
+/// Method of convolving the image of an object with the image of its motion path.
+/// - direct: sums over the pixels of the path's image.
 /// - fft: multiplies Fourier transforms.
 /// - automatic: the method with the shorter predicted time.
 enum class ConvolutionMethod { automatic, direct, fft };
@@ -34,7 +34,7 @@ enum class ConvolutionMethod { automatic, direct, fft };
                               ConvolutionMethod* used = nullptr,
                               const std::optional<CellWindow>& wanted = std::nullopt);
 
-/// Slow reference of `convolve` for tests: sums cell by cell in double precision.
+/// Slow reference of `convolve` for tests: adds up shifted copies of the image i1 in double precision.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
 /// Predicted times of direct convolution and of FFT convolution on one thread, in seconds, for the computer

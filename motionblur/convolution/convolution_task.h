@@ -1,5 +1,5 @@
-// The input of a convolution for motion blur: the image of a moving object (i1) and the blur kernel (i2). The
-// kernel is the object's motion path, drawn into a raster.
+// The input of a convolution for motion blur: the image of a moving object, and a blur kernel. The kernel is
+// the object's motion path, drawn into a raster.
 #pragma once
 
 #include <vector>
@@ -22,12 +22,13 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Prepares the convolution of `a`, the image of a moving object, with `b`, the image of its path. If the
-    /// result is 0 everywhere, its window `out` is empty.
+    /// Prepares the convolution of `a`, the image of a moving object, with the blur kernel `b`, the image of
+    /// its motion path. If the blurred image is 0 everywhere, its window `out` is empty.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of `i1`, the image of the moving object. p[x] is the value in column x.
+    /// Returns a pointer p to row y of one colour or coverage plane of `i1`, the moving object's image. p[x]
+    /// is the value in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

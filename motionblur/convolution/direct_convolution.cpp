@@ -14,12 +14,14 @@ namespace {
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of products that are summed in single precision. It keeps the rounding error below 34 * 2^-24 of
-/// the sum.
+/// Number of products (pixel times weight) that are summed as floats before they are added to a double. It
+/// keeps the rounding error below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Time for a run of equal neighbouring weights of the blur kernel, in multiples of the time for one weight.
+/// Time to apply a run of equal neighbouring kernel weights to a row of pixels. The unit is the time to apply
+/// one weight.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. Rounding makes equal weights differ slightly.
+/// Relative difference up to which two weights of the blur kernel count as equal. Rounding makes equal
+/// weights differ slightly.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -88,8 +90,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Transposing the object's image and the result takes about as long as applying 12 weights of the blur
-    // kernel.
+    // Runs of equal weights are found only along rows. If columns have longer runs, the images are
+    // transposed, which takes as long as applying about 12 weights.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -128,8 +130,8 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the blur kernel: the columns of its nonzero weights, and the index ranges of these weights in
-/// Terms::cells and Terms::runs.
+/// A row of the blur kernel. `columns` contains its nonzero weights. The single weights are Terms::cells
+/// [cells_begin, cells_end), and the runs are Terms::runs [runs_begin, runs_end).
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -163,8 +165,8 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Convolves the object's image directly. Computes `tile` columns of the result at once, and pads the image's
-/// rows with zeros, because the columns of a tile may need values beyond the ends of a row.
+/// Convolves the object's image directly, `tile` columns of the result at once. A tile may need pixels beyond
+/// the ends of an image row, so the rows are padded with zeros.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -182,8 +184,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each thread task computes 64 x 64 cells of the result. Its successive rows read mostly the same
-        // rows of the object, which stay in the cache.
+        // Each thread task computes 64 x 64 cells of the blurred image. Neighbouring rows of this block read
+        // mostly the same rows of the object's image, which stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -252,8 +254,8 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // Skips this row of the blur kernel if all values of the object's image that it would multiply
-            // are zero.
+            // This kernel row multiplies only row `from` of the object's image, whose nonzero columns are
+            // `c`. If none of them reaches the tile, the kernel row adds nothing.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -322,8 +324,8 @@ double direct_cost_s(const ConvolutionTask& task) {
     // Fraction of the full convolution's result that is computed.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // Times measured with the benchmark `one_object/direct`. Copying more than `large_values` values is
-    // slower, because the operating system must first provide memory pages.
+    // Times in s per value, measured with the benchmark `one_object/direct`. Padding copies the image: above
+    // `large_values` values, this is slower, because the operating system must first provide memory pages.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -5,7 +5,8 @@
 
 namespace postlens {
 
-/// Writes the result for the cells of `task.out` into `result`. These cells must be 0 before the call.
+/// Writes the convolution of `task` (an object's image with its path) into the cells `task.out` of `result`.
+/// These cells must be 0 before the call.
 void convolve_direct(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

@@ -31,8 +31,8 @@ struct Axis {
 /// Returns the smallest FFT size for which the convolution's result is correct at the indices [x0, x1). An
 /// FFT convolution is periodic, so its repetitions must not overlap this range.
 int needed_size(const Axis& axis, int x0, int x1) {
-    // The object's image covers the indices [s0, s1), and the blur kernel [p0, p1). Only the image's indices
-    // from a to b (excluded) contribute to the result in [x0, x1).
+    // Only the indices [a, b) of the object's image contribute to the result in [x0, x1). If there are none,
+    // the result is 0, so any size is correct.
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
     return std::max({b + axis.p1 - 1 - x0, x1 - a - axis.p0, x1 - x0, b - a, axis.p1 - axis.p0});
@@ -47,8 +47,8 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // FFT sizes that are multiples of 8 are fastest, because rows then consist of whole SIMD vectors. Odd
-    // sizes take twice as long.
+    // FFT sizes that are multiples of 8 are fastest, because rows then consist of whole SIMD vectors. Other
+    // sizes can take twice as long.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -267,8 +267,8 @@ class FftConvolution {
         }
     }
 
-    /// Copies the part of the object's image that contributes to `block` to the FFT's input `cells`. Returns
-    /// whether no copied value is negative.
+    /// Copies one colour or coverage plane of the object's image to the FFT's input `cells`, as far as it
+    /// contributes to `block`. Returns whether no copied value is negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -41,10 +41,11 @@ class RecordBands {
     /// Reads the records of all pixel rows, band by band. Keeps in memory only those bands for which `keep`
     /// returns true.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
-    /// Reads the bands of pixel rows [y_begin, y_end) whose records are not in memory.
+    /// Reads records from the file, so that all bands that overlap the pixel rows [y_begin, y_end) are in
+    /// memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// Returns the records of the image in bands of pixel rows. A band that is not in memory has no records.
+    /// Returns all bands of the image. A band that was not read, or not kept, contains no records.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -55,8 +56,8 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Finds the surfaces in the bands that overlap the pixel rows [y_begin, y_end). Returns one element per
-/// band.
+/// Returns one element per band (block of pixel rows). It contains the band's surfaces, or nothing if the
+/// band does not overlap the pixel rows [y_begin, y_end).
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

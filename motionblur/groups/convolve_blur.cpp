@@ -12,13 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Sums over the static surfaces of one pixel in one interval of depths, between two moving groups. The
-/// weight of a sample is its area.
+/// Moving groups divide the depth of a pixel into intervals. This is a sum over the samples of static
+/// surfaces in one interval, weighted by the area of each sample.
 struct Between {
     std::array<double, 3> colour{};
-    /// The surfaces in this interval of depths cover the fraction covered / known of the pixel. `known` does
-    /// not count samples whose recorded surfaces are all nearer than the interval, because surfaces behind
-    /// them are not recorded.
+    /// Static surfaces of this interval cover the fraction covered / known of the pixel. Both are sums of
+    /// sample areas. If a sample records only surfaces in front of the interval, `known` does not count it.
     double covered = 0, known = 0;
 };
 
@@ -118,8 +117,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of groups of moving objects that are nearer than the static surface s. `depths_` holds
-            // the inverse depths of the groups in descending order.
+            // Number of moving groups in front of the static surface s, which is the index of its depth
+            // interval. `depths_` holds the groups' inverse depths in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
@@ -178,8 +177,8 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the moving groups, 1/m, from near to far
 };
 
-/// Convolution is wrong where the coverage of a nearer moving group and the light of a farther group change
-/// at the same time. Returns an upper bound of the squared error, summed over pixels: variance of the
+/// Compositing mean images is wrong where the coverage of a nearer moving group and the light of a farther
+/// one vary together. Returns an upper bound of the squared error, summed over pixels: variance of the
 /// coverage times variance of the light, for radiances up to 1.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
@@ -187,8 +186,8 @@ double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther)
         for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
              ++x) {
             const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
-            // The coverage, between 0 and 1, has the mean c over the exposure. So its variance is at most
-            // c (1 - c).
+            // During the exposure, the nearer group's coverage of the pixel varies within [0, 1], with mean
+            // c. So the variance of this coverage is at most c (1 - c).
             sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
         }
     }

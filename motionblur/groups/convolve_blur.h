@@ -1,5 +1,5 @@
-// Motion blur by convolution [potmesil1983]. Each moving group's raster is convolved with its path, and
-// composited in order of depth.
+// Motion blur by convolution [potmesil1983]. The image of each moving group is convolved with the image of
+// its path. The results are composited in order of depth.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace postlens {
 
-/// The error where two groups of moving objects pass over the same pixels. A pixel is composited from the
-/// mean coverage and the mean light of each group during the exposure. This is wrong if the nearer group's
-/// coverage and the farther group's light are correlated in time.
+/// The error where two groups of moving objects pass over the same pixels. Compositing uses the mean coverage
+/// and mean light of each group during the exposure. It is wrong if the farther group is bright just while
+/// the nearer group hides it, or does not.
 struct Crossing {
     std::size_t other = 0;  ///< index of the crossing group with the largest error
-    /// Upper bound of the mean squared error over the pixels that this moving group passes, for radiances up
-    /// to 1.
+    /// Upper bound of the mean squared error of compositing, over the pixels that this moving group passes.
+    /// It holds for radiances up to 1.
     double most_mse = 0;
 };
 
@@ -33,7 +33,8 @@ struct ConvolveBlur {
 /// back.
 /// - `still`: pinhole image
 /// - `groups`: sorted from near to far
-/// - `across_per_px`: width of a pixel in the scene, in m; for a perspective camera, at a depth of 1 m
+/// - `across_per_px`: width, in m, of the scene area that a pixel shows; for a perspective camera, at a depth
+///   of 1 m
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

@@ -13,11 +13,11 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest difference in displacement between neighbouring depth slices. Smaller values do not increase the
-/// PSNR.
+/// Largest difference between the displacements of neighbouring depth slices, each of which moves as a whole.
+/// Smaller values do not increase the PSNR.
 constexpr double step_px = 4;
 
-/// Returns the gradient of the inverse depth 1/z' across `leaf` (a pixel or a part of it), in 1/m per px.
+/// Returns the gradient of the inverse depth across `leaf` (a pixel or a part of it), in 1/m per px.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
@@ -112,9 +112,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // A surface element's projected area is max(0, 1 + v), where v is linear in the displacement. If v is
-    // less than -1, the element faces away. This area is replaced by the linear area * (1 - v / low), which
-    // has the same mean if v is uniformly distributed in [low, high].
+    // v, the relative change of a surface element's area, is linear in its displacement, between `low` and
+    // `high`. The visible area is max(0, 1 + v), because the element faces away below v = -1. It is replaced
+    // by the linear function area * (1 - v / low), which has the same mean over uniformly distributed v.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -130,7 +130,8 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // About four quadtree leaves meet at a sample, and each leaf adds one Piece for the sample.
+    // Upper estimate of memory: a sample is a corner of about four quadtree leaves, and is stored as one
+    // Piece per leaf.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

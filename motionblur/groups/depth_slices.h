@@ -21,33 +21,32 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction in the image, and the range over which a group of objects moves along it.
+/// A direction in the image, and the range of displacements of a group of moving objects along it, in px.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction to the farthest point of the group's motion path. For a curved path, also returns
-/// the perpendicular direction.
+/// Returns the direction from a group's recorded position to the farthest point of its motion path. For a
+/// curved path, also returns the direction perpendicular to it.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// Area that a small surface element covers in the image while it moves, as a fraction of the area that was
-/// recorded. It changes linearly with the displacement path(t), in px:
+/// Area of a small surface element in the image, as a fraction of its recorded area. It changes linearly
+/// while the element moves. At the displacement d, in px, it is
 ///
-///     area + sum over the axes (PathAxis) of rate_per_px * (path(t) . axis)
+///     area + sum over the axes a (PathAxis) of rate_per_px[a] * dot(d, a.direction)
 ///
 /// The formula is exact for translations parallel to the film.
 struct Stretch {
     double area = 1;
-    /// For each PathAxis: change of the surface element's relative area per px of displacement along the
-    /// axis.
+    /// For each axis: change of this fraction of the recorded area, per px of displacement along the axis.
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Image (colours and coverage) of a depth slice. It depends on the slice's displacement p, in px, because
-/// the projected areas of surfaces change while they move. `flat` is the image at the smallest displacement
-/// along each axis, and `stretched` is the change per px along an axis:
+/// Image (colours and coverage) of a depth slice of a moving group. The projected areas of surfaces change
+/// while they move, so the image depends linearly on the slice's displacement p, in px. `flat` is the image
+/// at the smallest displacement along each axis, and `stretched` is its change per px:
 ///
 ///     flat + sum over the axes a (PathAxis) of stretched[a] * (dot(p, a.direction) - a.low_px)
 struct SliceRaster {
@@ -59,22 +58,24 @@ struct SliceRaster {
 /// both, with weights that sum to 1.
 class DepthSlices {
   public:
-    /// Sorts the surfaces of `group`, which has the number `g`, into depth slices (surfaces at similar
-    /// depths).
+    /// Sorts the surfaces of `group` into slices by depth.
+    /// - `g`: index of the group in `table`
+    /// - `cells_per_px`: resolution of the slices' images
     /// - `across_per_px`: width of a pixel in the scene, in m; for perspective cameras, at a depth of 1 m
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Returns how far depth slice k moves, relative to the motion path of the whole group; nearer slices
-    /// move farther.
+    /// Returns the factor by which the displacements in MovingGroup::path are multiplied for depth slice k.
+    /// It is larger for nearer slices, because of parallax.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
-    /// One quarter of a quadtree leaf (a pixel or a part of it), with the colour of the sample at its corner.
+    /// One quarter of a quadtree leaf (a pixel or a part of it). Its colour is that of the sample at the
+    /// leaf's corner in this quarter.
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;

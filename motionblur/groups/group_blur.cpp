@@ -44,7 +44,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Rounding errors of the FFT add up over the slices, so coverages up to the sum of these errors become 0.
+    // Convolution by FFT has a rounding error of up to `least_coverage` per depth slice. Coverages up to the
+    // sum of these errors become 0.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -57,8 +58,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // The blur kernel is an image of the object's displacements. Displacements outside `reach` are not drawn,
-    // because they move the object out of the image.
+    // The blur kernel i2 is an image of the object's displacements. Displacements outside `reach` move the
+    // whole object out of the image, so they are not drawn.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -81,8 +82,8 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // The motion path is rounded to raster cells, which shifts the blurred object by up to half a cell. So
-    // its bounding box gets a margin of 1 px.
+    // The displacements of the motion path are rounded to raster cells, so the blurred object may be shifted
+    // by half a cell. A margin of 1 px around its bounding box allows for this.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

@@ -1,4 +1,5 @@
-// Motion blur of a moving group: its raster is convolved with its path, as a whole or in depth slices.
+// Motion blur of a group of moving objects: its image is convolved with that of its motion path, as a whole
+// or in depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"

@@ -28,9 +28,9 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// One quarter of a quadtree leaf (a pixel or a part of it), drawn into a raster of square cells. It covers
-/// the cells [x, x + n) x [y, y + n). If it is smaller than one cell, `share` is the fraction of the cell's
-/// area that it covers.
+/// The part of a raster of square cells that is covered by one quarter of a quadtree leaf (a pixel or a part
+/// of it). It consists of the cells [x, x + n) x [y, y + n). A quarter smaller than one cell covers the
+/// fraction `share` of its area.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -65,7 +65,8 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// Converts a raster of cells to pixels, which are means of their cells.
+/// Converts a raster of square cells to pixels. Each pixel is the mean of its `cells_per_px` x `cells_per_px`
+/// cells.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

@@ -24,8 +24,9 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether two objects have the same displacement in the image. If `nearest` > 0, scales both
-/// displacements to this inverse depth (1/m) to compensate for parallax.
+/// Returns whether two objects have the same displacement from the recorded instant to any instant of the
+/// exposure. If `nearest` > 0, first scales both displacements to this inverse depth (1/m), which removes
+/// parallax.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,

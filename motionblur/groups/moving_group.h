@@ -13,12 +13,12 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the recorded samples, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points that move exactly along `path`. With parallax, nearer points move
-    /// farther.
+    /// Inverse depth, in 1/m, of the points whose displacements `path` contains. With parallax, nearer points
+    /// move farther than these.
     double path_inverse_z = 0;
     bool has_parallax = false;
-    /// The path on the screen: displacements from the recorded position, in px, linear in time between these
-    /// points.
+    /// Motion path of the group in the image: displacements from the recorded position, in px. Between these
+    /// points, the displacement is linear in time.
     std::vector<PathPoint> path;
     std::size_t points = 0;        ///< number of the path's points before it was fitted
     std::size_t fitted_knots = 0;  ///< number of knots of the fitted path; 0 if the path is not fitted

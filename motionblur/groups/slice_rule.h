@@ -16,19 +16,19 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of a moving group's path area in which static surfaces lie between the group's
-/// nearest and farthest depths.
+/// A moving group passes over an area of the image. Returns the fraction of this area in which static
+/// surfaces lie between the group's nearest and farthest depths.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns why convolution in depth slices is too inaccurate for a group of moving objects, which then needs
-/// the method lightfield. Returns an empty string if convolution is accurate enough.
+/// Convolution in depth slices is one method of blurring a group of moving objects, `lightfield` the other.
+/// Returns why convolution is too inaccurate for group `g`, or an empty string if it is accurate enough.
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, in px. Parallax is the difference between the displacements of a group's
-/// nearest point and farthest point. With more parallax, `most_slices` depth slices would be too coarse.
+/// Largest accepted parallax of a group of moving objects: the displacement of its nearest point minus that
+/// of its farthest point, in px. With more parallax, even the largest number of depth slices is too coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

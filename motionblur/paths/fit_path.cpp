@@ -58,8 +58,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // Fits the offsets of the cubic's control points from a straight line. Regularisation keeps offsets near
-    // 0 if the points do not determine them.
+    // All control points start on the straight line between the ends of the curve. Their offsets from this
+    // line are fitted to the points; regularisation keeps undetermined offsets near 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -142,8 +142,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the knot times of a spline with `count` segments. The knots are close together where the segments
-/// of an earlier fit, `segments`, are short.
+/// Returns the knot times of a spline with `count` segments. An earlier fit has short segments (`segments`)
+/// where the motion is hard to follow, so the knots are close together there.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {

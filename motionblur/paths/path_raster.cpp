@@ -16,8 +16,8 @@ using glm::dvec2;
 /// Largest accepted coordinate, in cells. Up to it, rounding errors are below a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells, shifted by half a cell, so that cell i
-/// covers [i, i + 1).
+/// A piece of a motion path with constant velocity. Positions are in cells of the path's raster, plus 1/2, so
+/// that cell i covers [i, i + 1).
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
@@ -36,8 +36,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Returns where the path enters the next cell, as a fraction of this straight piece, or infinity in the
-    /// last cell.
+    /// Returns where the straight piece leaves the current cell, as a fraction of its length. Returns
+    /// infinity in the last cell.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -59,8 +59,8 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips a piece of a path to the window plus half a cell on every side. Rounding errors then cannot remove a
-/// visible part. Returns false if nothing remains.
+/// Clips a piece of a motion path to the raster cells of `window`, plus half a cell on every side. Without
+/// this margin, rounding errors could remove a visible part. Returns false if nothing remains.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -84,8 +84,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // The piece of the path was clipped to the raster. If its original ends were far away, rounding can move
-    // the clipped ends by more than half a cell. Clamping keeps them near the raster.
+    // If the clipped piece had ends far outside the raster, rounding can move its new ends by more than half
+    // a cell. Clamping keeps them near the raster.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -109,8 +109,8 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // An exposure of a single instant uses one point of the motion path: the first point at or after this
-        // instant. If there is none, it uses the last point.
+        // If the exposure is a single instant, the object is drawn at one point of its motion path: the first
+        // point at or after this instant, or else the last point.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));

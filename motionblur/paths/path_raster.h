@@ -24,14 +24,15 @@ struct PathRaster {
     int cells_per_px = 1;
     std::vector<double> weight;  ///< row by row
 
-    /// Returns the weight of cell (x, y), which must lie in the window.
+    /// Returns the value of raster cell (x, y) that draw_path computed. The cell must lie in the raster.
     [[nodiscard]] double at(int x, int y) const {
         return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(x - x_begin)];
     }
 };
 
-/// Limits of `draw_path`: the raster's longest side, in cells, and the number of cell borders crossed.
+/// Limits of `draw_path`: the longest side of the drawn raster, in cells, and the number of cell borders that
+/// the motion path crosses.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 

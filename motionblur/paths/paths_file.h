@@ -29,8 +29,8 @@ struct ObjectPath {
     std::variant<ScreenPath, RigidKeys> motion;
 };
 
-/// Reads a file of paths. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", or "FILE: ..." if `path` is
-/// not a regular file.
+/// Reads a file that defines motion paths of objects. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", or
+/// "FILE: ..." if `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
 /// Returns the ids of the objects that each path moves. `names` contains the name of each id.
@@ -39,8 +39,8 @@ struct ObjectPath {
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 
-/// Returns the motion of the sample file's objects. Motions in `paths` replace those of the file. Throws the
-/// errors of resolve_ids.
+/// Returns how the objects of the sample file move. For an object in `paths`, this replaces the motion that
+/// the file records. Throws the errors of resolve_ids.
 [[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

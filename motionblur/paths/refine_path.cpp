@@ -16,7 +16,8 @@ using glm::dvec2;
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// Residual: the difference between the curve and a point at the point's time, divided by the tolerance.
+/// Residual of a least-squares fit: the difference between a data point and the curve's position at the
+/// point's time, divided by the tolerance.
 struct Distance {
     double time_s;
     dvec2 at_px;

@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Returns the largest distance, in px, between the path and the points at the times of the points.
+/// Returns the largest distance, in px, between a point and the path's position at the point's time.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
 /// Fits a Bezier path to the points so that its largest distance from them becomes small. Begins with at

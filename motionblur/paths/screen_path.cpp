@@ -78,11 +78,11 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// Fractions of a linear piece's duration at which its error is measured. They are asymmetric to detect a
-// motion that turns back halfway.
+// The error of a linear piece of a motion path is measured at these fractions of its duration. They are
+// asymmetric to detect a motion that turns back halfway.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// The error of a linear piece is measured at a few instants, and can be larger between them. So the measured
-// error may reach only this fraction of the tolerance.
+// Between the instants of `test_shares`, the error of a linear piece can be larger than the measured error.
+// So the measured error may reach only this fraction of the tolerance.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -139,7 +139,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
         const auto pieces = static_cast<int>(std::max(1.0, std::floor(thinning * pieces_of(i))));
         for (int p = 1; p <= pieces; ++p) {
             const double time_s = p == pieces ? end_s : begin_s + (end_s - begin_s) * p / pieces;
-            // Instants that rounding makes equal become a single point of the path.
+            // Rounding can make successive instants equal. Only one of them becomes a point, because times
+            // must increase.
             if (time_s > out.back().time_s) out.push_back({time_s, at(time_s)});
         }
     }
@@ -181,8 +182,8 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // Halves all pieces of the path once before it halves any again, so that the limit on the number of
-    // points affects all equally.
+    // `most_path_points` can stop the refinement. So every piece of the path is halved once before any is
+    // halved again, and the limit affects all pieces equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

@@ -76,7 +76,7 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 }
 
 /// Returns the background behind moving objects, interpolated from the pixels with `weight` 1. If `weight` is
-/// empty, these are the pixels that are known in `seen`.
+/// empty, interpolates from the pixels of the blurred image `seen` in which some view sees a surface.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -112,9 +112,9 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Unrecorded background is interpolated from static pixels, or from the blurred image if too few
-        // pixels are static. The whole image is blurred for this, because the result must not depend on the
-        // crop.
+        // Background that is not recorded is interpolated from pixels that do not move, or, if there are too
+        // few, from the blurred image. The whole image must be blurred for this, so that the result does not
+        // depend on the crop.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

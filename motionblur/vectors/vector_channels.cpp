@@ -24,9 +24,9 @@ constexpr std::array<std::array<const char*, 2>, 5> pairs{
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward, "u", "v", {1, -1}},
-                                // The channels (Z, W) of Blender's Vector pass contain this frame's position
-                                // minus the next frame's, with W upwards. So -Z is the motion to the right,
-                                // and W is the motion down.
+                                // In Blender's Vector pass, the channels (Z, W) are this frame's position
+                                // minus the next frame's, to the right and upwards. So -Z is the motion to
+                                // the right, and W the motion down.
                                 {vector, "Z", "W", {-1, 1}},
                                 {motion, "x", "y", {1, 1}}};
     for (const auto& [u, v] : std::span(pairs).subspan(1)) out.push_back({motion, u, v, {1, 1}, false});
@@ -47,7 +47,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // Prefers the file part that contains the colours, then parts of the same stereo view.
+        // Prefers the file part that contains the colours, then parts of the same stereo view as the colours.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

@@ -13,8 +13,8 @@ namespace postlens {
 struct VectorChoice {
     /// Names of the motion vector channels. If absent, well-known names are searched for.
     std::optional<std::pair<std::string, std::string>> channels;
-    /// Displacement, in px to the right and down, per unit of the motion vector channels. If absent, the
-    /// channels' names determine it.
+    /// Displacement, in px to the right and down, for the value 1 in the motion vector channels. If absent,
+    /// the channels' names determine it.
     std::optional<glm::dvec2> scale;
     std::optional<glm::dvec2> offset;  ///< value of pixels that do not move; 0 if absent
     std::filesystem::path file;        ///< separate file with the vectors, if not empty

@@ -35,8 +35,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory per stored pixel. Twice as much is required below, because arrays that grow reserve more
-        // than they use.
+        // Memory per pixel that the frame stores. The check requires twice as much, because arrays that grow
+        // reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -58,7 +58,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds one black mesh square, which is used for all parts of the image without stored pixels.
+    /// Adds one empty mesh square, which is black. All parts of the image without stored pixels use it.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -186,8 +186,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // Adds the velocities in a fixed order, so that all pixels that share this corner get bit-identical
-        // means.
+        // All pixels that share this corner compute this mean. They add the velocities in the same order, so
+        // that their means are bit-identical.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

@@ -98,7 +98,7 @@ double SpreadLight::error(double variance_share) const {
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // Edges cross the highlight's cells at unknown positions, so the highlight may be displaced by about
+    // Edges cross the bright cells at unknown positions, so the position of their light may be wrong by about
     // `moved_px`. The rim of its circle of confusion is then displaced by the same distance.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
@@ -113,9 +113,9 @@ double SpreadLight::error(double variance_share) const {
 
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
-    // Without an edge, the shading of a cell is a x^2 + b y^2 + c x y, and the mean of the four corners
-    // differs from the mean over the cell by (a + b) / 6. The corners determine only c, so a + b = c is
-    // assumed.
+    // In a unit cell without an edge, the shading is assumed to be a x^2 + b y^2 + c x y. The mean of the
+    // four corners then differs from the cell's mean by (a + b) / 6. The corners determine only c, so a + b =
+    // c is assumed.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

@@ -11,11 +11,11 @@
 
 namespace postlens {
 
-/// A random straight edge divides a unit square. The fraction of the four corners on one side estimates the
-/// area of this side, with this mean squared error.
+/// Mean squared error of an estimated area. A random straight edge divides a unit square; the fraction of the
+/// four corners on one side of the edge estimates the area of this part.
 inline constexpr double edge_cell_variance = 0.0388;
-/// An edge parallel to a side divides a unit square at a random position. The fraction of the four corners on
-/// one side of the edge estimates the area of this side, with this mean squared error.
+/// Mean squared error of an estimated area. An edge parallel to two sides of a unit square divides it at a
+/// random position; the fraction of the four corners beyond the edge estimates the area there.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// The recorded colour (sRGB and linear) at a corner of a quadtree cell, with the id and inverse depth of the
@@ -43,15 +43,15 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// Estimates the error that bright quadtree cells (radiance above 1) cause in all pixels over which the lens
-/// spreads their light. PixelEdges does not include this error.
+/// If an edge crosses a bright quadtree cell (radiance above 1), the cell's light is inexact. Estimates the
+/// error of all pixels over which the lens spreads it. PixelEdges does not include it.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over all pixels to which the lens spreads the cells'
-    /// light. `variance_share` scales the variance of this light, to predict the error with larger or smaller
-    /// cells.
+    /// Returns the squared error of sRGB values, summed over all pixels to which the lens spreads the light
+    /// of the added cells. Larger or smaller cells change the variance of this light by the factor
+    /// `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -62,12 +62,13 @@ class SpreadLight {
     double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// Returns how an edge divides the corners of a quadtree cell, and the contrast of this edge. Order of the
-/// corners: upper left, upper right, lower left, lower right.
+/// Returns the contrast of an edge that crosses a quadtree cell, and which corners lie on the same side of
+/// it. Order of the corners: upper left, upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel due to edges in its quadtree cells. The errors of cells along an
-/// edge parallel to the cells are equal; those along a slanted edge are independent.
+/// Estimates the squared error of a pixel, because edges cross its quadtree cells at unknown positions. Along
+/// an edge parallel to the cells' sides, the errors of the cells are equal. Along a slanted edge, they are
+/// independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -38,8 +38,8 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
 /// hidden surfaces that this lens sees, at instants of this exposure.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // A trace has no focal length, so its f-number is film distance / lens diameter. The image's f-number
-        // (focal length / lens diameter) is converted to this.
+        // The settings of a trace contain no focal length, so their f-number is film distance / lens
+        // diameter. The image's f-number, focal length / lens diameter, is converted to it.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

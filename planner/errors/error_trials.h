@@ -13,8 +13,8 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause = ErrorCause::none;  ///< cause of error that the trial removes
     Image image;  ///< light field of the new records, of the same size as the file's image
-    /// Trials are tested in order. If this is true and the trial removes a pixel's error, the trial's `cause`
-    /// is accepted and later trials are not tested.
+    /// Trials are new traces with better settings, tested in order. If `decides` is true and this trial
+    /// removes a pixel's error, `cause` is accepted and later trials are not tested.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

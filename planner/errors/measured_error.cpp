@@ -21,8 +21,8 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Returns an estimate of the squared noise, at one pixel, of the mean of `a` and `b`: the images of two
-/// independent halves of the views. It is a mean over colour channels, in sRGB values.
+/// Returns the estimated squared noise of one pixel in the mean of `a` and `b`. They are the images of two
+/// independent halves of the views. Values are sRGB; the result is a mean over channels.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double out = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -39,14 +39,15 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Returns an unbiased squared error, as the product of two measurements with independent noise.
+/// Returns the product of two measurements of an error. Their noise is independent, so the product is an
+/// unbiased squared error.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the colour of the rays minus the recorded colour, per half of the views, as a difference of sRGB
-/// values. The linear difference is multiplied by the slope of the sRGB curve at the pixel's colour, because
-/// the curve itself would turn noise into bias.
+/// Returns the colour of the rays minus the recorded colour, for each half of the views, in sRGB values. The
+/// linear difference is multiplied by the slope of the sRGB curve at the pixel's colour, because the curve
+/// itself would turn noise into bias.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -108,8 +109,9 @@ struct ChosenSum {
     }
 };
 
-/// Mean squared error of pixels. For each pixel, the residual in one half of the views is multiplied by the
-/// residual in the second half. Few pixels may miss rare large errors, so the variance has a lower bound.
+/// Mean squared error of pixels. A pixel's residual (ray minus recorded colour) in one half of the views is
+/// multiplied by that in the other half. Errors may be rare and large, and absent from few pixels by chance,
+/// so the variance has a lower bound.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -163,10 +165,9 @@ class TileMeasurement {
         for (const double of_piece : noise_of_pieces) {
             const double noise = of_piece / pixels;
             out.error.noise_mse += noise;
-            // Let d be half the difference between the two halves of the views, and e the error of their
-            // mean. `noise` is d^2, an estimate of e^2. Since d and e are independent and normal with the
-            // same variance n, e^2 - d^2 has the variance 4 n^2. n is unknown, but 4/3 d^4 has the
-            // expectation 4 n^2.
+            // `noise` is d^2, where d is half the difference between the two halves of the views. It
+            // estimates e^2, the squared error of their mean. Since d and e are independent and normal with
+            // the same variance n, e^2 - d^2 has the variance 4 n^2, which is the expectation of 4/3 d^4.
             out.error.noise_variance += 4.0 / 3 * noise * noise;
         }
         out.error.bias_mse = out.views.mean();
@@ -252,9 +253,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The mean of n stratified rays at an outline has the variance of_ray n^(-5/4) [mitchell1996].
-            // Each half of the views has n = views / 2 rays; the mean of the two halves has half this
-            // variance.
+            // of_ray is the variance of one ray. The mean of n stratified rays at an outline has the variance
+            // of_ray n^(-5/4) [mitchell1996]. Here n = views / 2 in each half of the views, and the mean of
+            // both halves has half this variance.
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -1,5 +1,6 @@
-// Measures the error of an image. The difference between two independent halves of its views shows the noise.
-// Rays through some pixels show the error of the recorded colours, which more views do not reduce.
+// Measures the error of an image that is the mean of many views. The difference between two independent
+// halves of the views shows the noise. Rays in some pixels show the errors of the recorded colours, which
+// more views do not reduce.
 #pragma once
 
 #include <algorithm>
@@ -29,8 +30,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Squared error of the image due to inaccurate or missing colours in the sample file. It is measured by
-    /// comparing random rays with the file. The estimate may be negative, because it is noisy.
+    /// Squared error of the image due to inaccurate or missing colours in the sample file. In random pixels,
+    /// recorded colours are compared with those of rays. Noise may make the estimate negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -73,14 +74,15 @@ template <typename Value>
     return out;
 }
 
-/// Estimates each tile's squared noise if rays trace the highlights, with `views[tile]` rays per pixel.
-/// - `a`, `b`: the two halves of the image's views, from which the variance of a single ray is estimated
+/// Estimates each tile's squared noise in case that rays trace the highlights, with `views[tile]` rays per
+/// pixel.
+/// - `a`, `b`: the two halves of the image's views, which show the variance of a single ray
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles whose stored colours are too inaccurate, so that rays should replace them.
-/// - `most_mse`: limit for the total error of the unselected tiles
-/// - `fine_mse`: limit for the error of one tile, if it clearly exceeds the noise
+/// Returns 1 for tiles whose recorded colours are so inaccurate that rays should replace them.
+/// - `most_mse`: limit for the total error of the tiles with 0
+/// - `fine_mse`: limit for the error (`bias_mse`) of one tile, if it clearly exceeds the tile's noise
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

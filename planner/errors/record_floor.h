@@ -12,13 +12,13 @@
 
 namespace postlens {
 
-/// Sparse samples cause an error at edges. Returns the factor by which averaging over a circle of confusion,
-/// of diameter `coc_px`, reduces the squared error. The factor is smaller for an edge `aligned` with the
-/// quadtree, because errors along this edge are equal.
+/// Sparse samples cause an error at edges. Returns the factor by which its square is divided due to averaging
+/// over a circle of confusion, of diameter `coc_px`. Along an edge `aligned` with the quadtree, errors are
+/// equal, so averaging reduces them less.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Samples miss some edges entirely, so the estimated squared error at edges is multiplied by this factor.
-/// Fitted to measurements.
+/// The estimated squared error at edges is multiplied by this factor, because samples miss some edges
+/// entirely. Fitted to measurements.
 inline constexpr double floor_unseen = 1.4;
 
 /// Estimates the squared error of each pixel's sRGB value at edges. Samples at the corners of a quadtree cell
@@ -26,8 +26,8 @@ inline constexpr double floor_unseen = 1.4;
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
-    /// Adds the pixel rows [y_begin, y_end) of `band`. `leaves` are the undivided quadtree cells that
-    /// find_leaves finds there. Several threads may add different rows.
+    /// Estimates the error of the pixel rows [y_begin, y_end), whose records are in `band`. `leaves` are the
+    /// undivided quadtree cells that find_leaves finds there. Several threads may add different rows.
     void add(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves);
     [[nodiscard]] auto adds() {
         return [this](const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves) {
@@ -45,8 +45,8 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// For each pixel of a sample file, returns the squared error that arises because edges are known only to
-/// within a quadtree cell. Reads all records once.
+/// Returns the squared error of each pixel due to edges in a sample file. The samples show which quadtree
+/// cell an edge crosses, but not where. Reads all records once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Upper bound of the error of an image that is made without rays. The error arises in pixels whose colours
-// the records do not determine.
+// Upper bound of the error of an image that is made from a sample file without rays. The error arises in
+// pixels whose colours the file's records do not determine.
 #pragma once
 
 #include <cmath>

@@ -14,8 +14,8 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
-    // Smallest number of pixels whose error is measured by rays. Errors of single pixels vary widely, but the
-    // mean over 8000 pixels is accurate enough.
+    // Rays measure the error of the recorded colours in at least about this many pixels. Errors of single
+    // pixels vary widely, but the mean over 8000 pixels is accurate enough.
     constexpr std::int64_t enough_pixels = 8000;
     const std::int64_t pixels = std::int64_t{width} * height;
     columns_ = pixels < 16 * enough_pixels ? 2 : 4;
@@ -36,14 +36,14 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // If an image has at least this many views, rays check the highlights in all pixels. With fewer views,
-    // rays check the highlights in a proportionally smaller fraction of the pixels.
+    // The error of highlights is measured by comparing them with rays: in all pixels if the image has at
+    // least this many views, otherwise in a proportionally smaller fraction of the pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // Each pixel of a block gets a rank, and rays check the `chosen` pixels of lowest rank. All ranks differ,
-    // because `step` is coprime to the number of pixels.
+    // `rank` numbers the pixels of a block in a scattered order. The first `chosen` pixels are compared with
+    // rays. All ranks differ, because `step` is coprime to the number of pixels in a block.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

@@ -16,17 +16,17 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// - `width`, `height`: size of the image, in px
-    /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights
+    /// Divides an image of `width` x `height` px into blocks.
+    /// - `random_rays`: whether the colours of rays are noisy, for example because of area lights; more views
+    ///   are then checked
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
     /// Chooses some lens points from which rays check the colour of pixel (x, y), and appends their indices
-    /// to `out`.
-    /// - `set`, `first`, `count`: the lens points to choose from are numbers [first, first + count) of this
-    ///   set; index 0 is point `first`
+    /// to `out`. They are chosen from `count` successive lens points of the sequence number `set`; index 0 is
+    /// the point number `first`.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// Returns the probability with which pixel (x, y) was chosen to compare its highlights with rays, or 0
-    /// if it was not chosen.
+    /// Rays measure the error of the highlights in some pixels. Returns the probability with which pixel (x,
+    /// y) was chosen for this, or 0 if it was not chosen.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:

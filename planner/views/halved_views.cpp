@@ -16,8 +16,8 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of different sets of lens points. The image square in column c and row r uses set (c +
-/// scrambles_down * r) % scrambles, so that equal sets are far apart.
+/// Number of sets of lens points that the squares of an image use. The square in column c and row r uses set
+/// (c + scrambles_down * r) % scrambles, so squares with equal sets are far apart.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 template <typename T>
@@ -64,8 +64,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Squares of the image use different sets of lens points. For each range [first, end) of lens points
-        // to draw: the numbers of the sets from which some square needs this range.
+        // Image squares use different sets of lens points, and may need more points of them. `spans` maps
+        // each needed range [first, end) of points to the sets from which a square needs it.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -23,16 +23,17 @@ namespace postlens {
 class HalvedViews {
   public:
     /// Ignores `focus.views` and `focus.method`. Throws the errors of hybrid_picture.
-    /// - `first_set`: number of the first of the 122 sets of lens points that this object uses; neighbouring
+    /// - `first_set`: the image uses 122 sets of lens points, numbered from `first_set` on; neighbouring
     ///   squares of the image use different sets
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws more views until each tile of `grid()` has `views[tile]` of them. They are divided into two
-    /// halves; half 0 may have one view more. The result is bit-identical for any number of threads.
+    /// Draws more views (images from single lens points) until each tile of `grid()` has `views[tile]` of
+    /// them. Each half of the image gets half of them; half 0 may get one more. The result is bit-identical
+    /// for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Replaces all samples of the tiles with a nonzero entry in `tiles` by rays, also in views drawn later.
-    /// Returns whether a tile was redrawn.
-    /// - `what`: whether rays also replace highlights
+    /// In the tiles with a nonzero entry in `tiles`, rays replace all recorded colours, also in views drawn
+    /// later. Returns whether a tile was redrawn.
+    /// - `what`: whether rays also replace highlights, which the point spread function otherwise spreads
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -40,12 +41,13 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// Returns half 0 or 1 of the image: the mean of the views of this half that have been drawn so far.
+    /// The views of the image form two independent halves. Returns the mean of the views of half 0 or 1 that
+    /// have been drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the image: the mean of all views drawn so far. Its `checks` (comparisons of rays with recorded
-    /// colours) are sums over both halves of the views.
+    /// Returns the image: the mean of all views drawn so far, from both halves. Its `checks` (comparisons of
+    /// rays with recorded colours) are sums over the two halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -68,8 +70,8 @@ class HalvedViews {
     std::vector<FieldFocus> spare_;  ///< images whose memory the next draw() uses again
 };
 
-/// Returns the image, the number of rays and the fraction of traced samples, but no error:
-/// HybridResult::stated stays empty.
+/// Returns the image that `views` has drawn, the number of rays and the fraction of traced samples.
+/// HybridResult::stated, the image's error, remains empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

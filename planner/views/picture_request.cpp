@@ -52,7 +52,7 @@ std::string checked_camera(const SampleHeader& h, const Scene& scene) {
 
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method) {
     const SampleHeader& h = file.header();
-    // The image is made as a mean over points of a lens, which an orthographic camera does not have.
+    // The image is made from points of a lens. An orthographic camera has no lens, so its files are refused.
     if (h.projection == Projection::orthographic) {
         fail(ExitCode::wrong_arguments,
              "{}: rays and views need a perspective camera (got an orthographic sample file)",

@@ -1,4 +1,5 @@
-// Checks the settings of an image, and converts them for the light field and the ray tracer.
+// Checks the settings of an image, and converts them to settings of field_focus (mean of reprojected views)
+// and of the ray tracer.
 #pragma once
 
 #include <string>
@@ -24,12 +25,12 @@ namespace postlens {
 /// - the scene's exposure differs from the file's
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
-/// Returns the settings with which a light field is made: lens, shutter and crop. Rays are not set, so all
-/// colours come from the sample file.
+/// Returns the settings for making the image as a mean of views: lens, shutter and crop. No rays are set, so
+/// all colours of the views come from the sample file.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// Returns the settings with which the ray tracer (`render`) makes the same image. Throws the errors of
-/// checked_camera.
+/// Returns the settings with which the ray tracer (`render`) makes the image that `settings` describes.
+/// Throws the errors of checked_camera.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 
