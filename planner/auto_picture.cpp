@@ -37,8 +37,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Returns an increased number of views (images from different lens points) for each tile. With them, the
-/// image's predicted squared error is below `wanted_mse`.
+/// Returns an increased number of views (images from different lens points) for each tile. They aim at a
+/// squared error of the image below `wanted_mse`.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -190,7 +190,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
             // More views reduce the noise, but not the error of the highlights. Much less noise than this
-            // error would be useless, so the goal is at least half of it.
+            // error would be useless, so the goal for the image's error is at least half of the highlights'
+            // error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

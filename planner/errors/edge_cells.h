@@ -66,9 +66,9 @@ class SpreadLight {
 /// it. Order of the corners: upper left, upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Estimates the squared error of a pixel, because edges cross its quadtree cells at unknown positions. Along
-/// an edge parallel to the cells' sides, the errors of the cells are equal. Along a slanted edge, they are
-/// independent.
+/// Estimates the squared error of a pixel that arises because edges cross its quadtree cells at unknown
+/// positions. The cells' errors are equal along an edge parallel to their sides, and independent along a
+/// slanted edge.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -74,8 +74,7 @@ template <typename Value>
     return out;
 }
 
-/// Estimates each tile's squared noise in case that rays trace the highlights, with `views[tile]` rays per
-/// pixel.
+/// Estimates each tile's squared noise if its highlights are traced with `views[tile]` rays per pixel.
 /// - `a`, `b`: the two halves of the image's views, which show the variance of a single ray
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);

@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Sparse samples cause an error at edges. Returns the factor by which its square is divided due to averaging
-/// over a circle of confusion, of diameter `coc_px`. Along an edge `aligned` with the quadtree, errors are
+/// Sparse samples cause an error at edges. Averaging over a circle of confusion, of diameter `coc_px`,
+/// divides the squared error by the returned factor. Along an edge `aligned` with the quadtree, errors are
 /// equal, so averaging reduces them less.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
