@@ -93,8 +93,8 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// Options for tracing rays into a scene file. `explain` is the path of an output image that shows which
-/// pixels come from the sample file and which from rays.
+/// Options for tracing additional rays into the scene from which a sample file was made. `explain` is the
+/// path of an output image. It shows which pixels are computed from the sample file and which from rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
@@ -156,8 +156,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs the command line `words`. `merge` calls this function to run a command that was divided among
-    /// machines; the run then only joins the results.
+    /// Runs the command line `words`. Several machines may have divided a command (--share). `merge` then
+    /// runs the command once more, to join the machines' result files instead of computing.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -182,8 +182,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    /// If true, each machine computes some samples of every pixel. If false, it computes all samples of some
-    /// rows.
+    /// How several machines divide the image. If true, each machine computes some samples of every pixel. If
+    /// false, each machine computes all samples of some rows.
     bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
@@ -203,8 +203,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene from which the sample file was traced. If a scene is given, rays compute colours that the
-    /// samples lack, for example those of hidden surfaces.
+    /// The scene from which the sample file was traced. If it is given, additional rays compute colours that
+    /// the sample file lacks, for example those of hidden surfaces.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -240,8 +240,8 @@ struct CompareCommandOptions {
     /// `map_causes` is an output image that shows the cause of each pixel's error. `frame` is the sample file
     /// from which the tested image was made.
     std::optional<std::string> map_causes, frame;
-    /// The scene from which the sample file was traced. Rays traced in the scene help to find the causes of
-    /// errors.
+    /// The scene from which the sample file `frame` was traced. Rays traced in the scene help to find the
+    /// causes of the tested image's errors.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -275,7 +275,7 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the command's open sample file: `kept` if it is not null, or else the newly opened file `input`.
+/// Returns the open sample file `input`. This is `kept`, which an earlier command opened, unless it is null.
 /// Colours are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
@@ -322,8 +322,8 @@ void check_sufficient(const SampleHeader& header, const Exposure& exposure, std:
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns what `focus` and `shoot` report for the method hybrid, such as the number of rays and the measured
-/// error.
+/// Returns JSON about an image of the method hybrid (records and additional rays), as the commands `focus`
+/// and `shoot` report it. It has, for example, the number of rays.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
 /// Returns the shutter curve "box" or "triangle", or else reads the file of this name. Throws

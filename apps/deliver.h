@@ -20,7 +20,8 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image to its file, or adds it to the result if no file is named. Also calls report_picture.
+/// Writes the image to its file. If no file is named, adds the image to the command's result `out` instead.
+/// Also calls report_picture.
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
 /// Adds the crop and the exposure of an image to the result. Warns if the image is too bright or too dark for

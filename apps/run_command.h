@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Runs the command in the calling thread and the current job. Adds the running time in `seconds` to the
-/// JSON.
+/// Runs the command in the calling thread. Its progress and cancellation are those of the current job
+/// (core/job.h). Adds the running time in `seconds` to the JSON.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses the arguments after the name of the program, and runs the command (run_timed). Waits while another

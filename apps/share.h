@@ -49,35 +49,36 @@ struct AskedFor {
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the hash of a scene that was already read. AskedFor::fingerprint, which identifies the command,
-/// then need not read the scene again.
+/// Stores the hash of a scene that was already read. AskedFor::fingerprint, which contains the hash of each
+/// input file of a command, then need not read the scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// Returns the mark by which `merge` recognises the result file of a share. It is JSON: the share, the crop
-/// of the whole image, and the fingerprint of the command.
+/// Returns JSON that is stored in a result file if several machines divide a command (--share). It contains
+/// this machine's share, the crop of the whole image, and the command's fingerprint. By this mark, `merge`
+/// recognises the file.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Parses the mark in one machine's result file: JSON that describes its share. Returns nothing if the text
-/// is invalid.
+/// Returns the share of the work (I of N) whose result a file contains. `mark` is JSON from this file
+/// (mark_of). Returns nothing if `mark` is invalid.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns the mark of one machine's share of the images of a sweep or the points of a chart. A mark is JSON
-/// in the result file that describes the share and the command. It contains the command-line arguments
-/// `words`, so that `merge` can run the command again to join the results.
+/// Like mark_of, if several machines divide the images of a sweep or the points of a chart. The returned JSON
+/// also contains the command-line arguments `words`. With these, `merge` runs the command again to join the
+/// results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
-/// Returns the command-line arguments that `mark` contains, or nothing if there are none or they are damaged.
-/// A mark is JSON that describes one machine's share of the work. JSON must be UTF-8, so % and bytes that are
-/// not ASCII are written as %XX.
+/// Returns the command-line arguments that mark_of_items stored in the JSON `mark`. Returns nothing if there
+/// are none or they are damaged. In `mark`, % and bytes that are not ASCII are written as %XX, because JSON
+/// must be UTF-8.
 [[nodiscard]] std::vector<std::string> words_of_mark(const nlohmann::ordered_json& mark);
 
-/// If several machines divide an image, limits `crop` to the rows that this machine makes. Also sets
-/// `work->mark`, the JSON by which `merge` later recognises this machine's file. Does nothing if `work` is
-/// empty, i.e. if the work is not divided.
+/// If several machines divide the rows of an image, sets `crop` to the rows of this machine. Also sets
+/// `work->mark`, JSON by which `merge` later recognises this machine's result file. Does nothing if `work` is
+/// empty, i.e. if the image is not divided.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
-/// Returns the first setting in which two fingerprints differ, with its name and both values. The text is
-/// empty if the fingerprints are equal.
+/// Compares the fingerprints (options and input files) of two commands. Returns the first difference, with
+/// its name and both values, or an empty text if there is none.
 [[nodiscard]] std::string first_difference(const nlohmann::ordered_json& got,
                                            const nlohmann::ordered_json& expected);
 

@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Error of an image against the reference. The noise of the reference is subtracted if there are two
-/// references. Unknown values are NaN.
+/// Error of a method's image against the reference image. If there is a second reference, the noise of the
+/// references is measured by comparing them, and subtracted. Unknown values are NaN.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
@@ -41,15 +41,15 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the plotted curve of the point: the method, then the sample file unless it is the most
-    /// detailed one.
+    /// Name of the curve in the plots: the method and the sample file. The most detailed sample file is not
+    /// named.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image when one call makes several images: the first image (including reading the file),
-    /// and each further one. Empty if not timed.
+    /// Seconds per image if one command (a sweep) makes several images from a sample file. The first image's
+    /// time includes reading the file. `further_s` is for each further image. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -57,8 +57,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the mean seconds per image if `pictures` images (may be infinite) share one trace of `from`
-    /// (may be null), including this trace.
+    /// Returns the mean time per image, in s, if `pictures` images (may be infinite) are made from the sample
+    /// file `from`. The time of tracing this file is included, unless `from` is null.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 
@@ -68,7 +68,7 @@ struct ChartData {
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// Error of the pinhole image made from a sample file, against a ray-traced one.
+    /// Error of the sample file's pinhole image against a ray-traced pinhole image.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;

@@ -50,7 +50,8 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Coarse samples suffice for the method hybrid, because it traces rays where recorded data is missing.
+    // For the method hybrid, a sample file with few samples suffices. The method itself traces rays where
+    // data is missing in the file.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

@@ -14,7 +14,8 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart. Values that the request does not contain come from the scene.
+/// Lens, shutter and camera with which all images of a chart are made. Values that the ChartRequest does not
+/// contain come from the scene.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
@@ -23,8 +24,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the tracer's f-number: film distance / lens diameter. An image's f-number is focal length /
-    /// lens diameter.
+    /// Returns the f-number for `trace` and `render`, which is film distance / lens diameter. The f-number in
+    /// `lens` is focal length / lens diameter.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -58,8 +59,8 @@ struct ChartPlan {
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings of distributed ray tracing for the scene, lens and shutter of a chart. The caller must
-/// set the samples per pixel (`spp`), the seed and `halves`.
+/// Returns settings for making a reference by distributed ray tracing, with the given scene, lens and
+/// shutter. The caller must set the samples per pixel (`spp`), the seed and `halves`.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

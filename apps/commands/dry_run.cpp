@@ -115,9 +115,9 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command, and measures its time and memory.
+    /// Runs the user's command once, and measures its time and memory.
     /// `more`: additional options
-    /// `amount`: number of samples or views, used instead of the command's own number
+    /// `amount`: number of samples or views, used instead of the number in the user's command
     /// `ending`: extension of the output file
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
@@ -161,8 +161,8 @@ class Measured {
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // The first short run uses a sixteenth of the samples or views. The number is rounded down to an even
-        // number, because --halves divides samples into two equal halves.
+        // The first timing run uses a sixteenth of the command's samples or views. The number is rounded down
+        // to an even number, because --halves divides samples into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -195,8 +195,9 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Short runs of frame i and of the middle frame use equally many samples or views. The ratio of
-            // their times, multiplied by the middle frame's full time, predicts the full time of frame i.
+            // Frame i was only run with `measured` samples or views, like the middle frame. The ratio of
+            // these two times, multiplied by the predicted full time of the middle frame, predicts the full
+            // time of frame i.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -210,8 +211,8 @@ class Measured {
         return out;
     }
 
-    /// Several machines may divide the images of a sweep. Predicts the time of each machine as a fixed time
-    /// plus a time per image. Short runs measure these two times.
+    /// Predicts the time of each machine if several machines divide the images of the command `sweep`. The
+    /// time is a fixed time plus a time per image, both measured by short runs.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -246,8 +247,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // The output file stores one sum of radiance per pixel and block of samples, so more blocks need more
-        // memory.
+        // The output file divides the samples into blocks. It stores one sum of radiance per pixel and block,
+        // so more blocks need more memory.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -261,9 +262,9 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // The short runs in `whole` computed all rows of the image. A short run for one of the machines
-        // computes only 1/shares of the rows, so it can use `shares` times as many samples or views in the
-        // same time.
+        // The timing runs in `whole` computed all rows of the image. A timing run here computes only the rows
+        // of one machine, 1/shares of the image. So in the same time, it can use `shares` times as many
+        // samples or views.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

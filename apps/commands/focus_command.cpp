@@ -131,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, rays improve even a pinhole image: they find surfaces that are smaller than the distance
-    // between the file's samples.
+    // With a scene, additional rays improve even a pinhole image. They find surfaces that are smaller than
+    // the distance between the sample file's records.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},

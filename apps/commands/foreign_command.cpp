@@ -230,8 +230,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // --views is allowed for every method if an extra output channel is computed from views (images seen from
-    // single lens points).
+    // Usually, --views is allowed only for some methods. An extra output channel that is averaged over views
+    // (images seen from single lens points) makes it allowed for all.
     check_depth_options(options.spacing, options.depth_model, method);
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);

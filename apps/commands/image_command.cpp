@@ -8,8 +8,8 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // The header of a damaged file may not show its format. With --salvage, the file is therefore assumed to
-    // be a sample file.
+    // If a file is damaged, its format may not be recognised. So with --salvage, the file is assumed to be a
+    // sample file.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

@@ -50,7 +50,8 @@ struct Merged {  // NOLINT(bugprone-exception-escape): as PartFacts, which it ho
     std::vector<int> missing;
 };
 
-/// Returns a black image with the size of the undivided image and the channels of `part`.
+/// Returns a black image with the channels of `part`, one machine's part of an image. Its size is that of the
+/// whole image.
 Image whole_of(const NamedPart& part) {
     const ImageSize& size = part.part.whole;
     require_memory(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) *
@@ -96,7 +97,8 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the files of an image that was divided by samples. Only one file at a time is in memory.
+/// Joins the files of several machines. Each machine computed some samples of every pixel. Only one file at a
+/// time is in memory.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;

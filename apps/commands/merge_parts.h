@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Several machines can divide the work of a command into N shares (--share I/N). Returns the share that the
-/// result file `name` contains, as its metadata `mark` states. Throws Error(invalid_input) if `mark` is not
-/// in the format of mark_of (share.h).
+/// Several machines can divide the work of a command into N shares (--share I/N). Returns the share of which
+/// the file `name` is the result. `mark` is JSON from this file's metadata. Throws Error(invalid_input) if
+/// `mark` is not in the format of mark_of (share.h).
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -31,8 +31,8 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the numbers, from 0 to count - 1, of the shares that no file contains. If there are any,
-    /// throws unless `partial` is true.
+    /// Returns the machines' shares, as numbers from 0 to count - 1, of which no result file was added. If
+    /// any is missing, throws unless `partial` is true.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

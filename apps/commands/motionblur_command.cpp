@@ -98,7 +98,7 @@ std::string headline(const MotionBlurOptions& options, const MotionBlurResult& r
                        100 * result.touched_share);
 }
 
-// Blurs an image of another program, which has one sample per pixel, by its motion vectors.
+// Blurs an image made by another program. The image has one sample and one motion vector per pixel.
 CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
     refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
@@ -186,8 +186,8 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // The command `shoot` refuses a sample file without a focus distance, although a pinhole image does not
-    // depend on one. So 1 m is used if the file states none.
+    // The f-number is infinite, so the focus distance does not change the image. But the command `shoot`
+    // refuses a file without a focus distance, so 1 m is used.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);

@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-// Writes an image whose colours show how each pixel was made: blue from blurred records, grey from views
-// (images from single lens points), red mostly from rays. Brighter grey means more views.
+// Writes an image in which colours show how each pixel was computed. Blue: from the records, by blurring
+// them. Grey: by averaging views (images from single lens points); brighter means more views. Red: mostly
+// from rays.
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);

@@ -88,8 +88,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Only the first image's warning of an insufficient sample file is reported, with the number of images
-    // that have this warning.
+    // The sample file may be traced for too small an aperture or exposure interval for many images. Only the
+    // first such warning is reported, with their number.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

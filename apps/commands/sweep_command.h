@@ -11,8 +11,8 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as typed by the user. By default, the f-number, focal length and focus are those in
-    /// the sample file.
+    /// Lists of values, as typed by the user. An image is made for each combination. By default, f-number,
+    /// focal length and focus are those in the sample file.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file

@@ -87,7 +87,8 @@ struct LensFitLimitsOptions;
 /// (--pairs), a depth range (--sharp) or an image (--picture). See cli_lens_fit.cpp.
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
-/// Adds `lens` and its subcommands (cli_lens.cpp). Lambdas own the parsed options and run the subcommands.
+/// Adds the subcommand `lens` with its own subcommands (cli_lens.cpp). Each subcommand has a lambda, which
+/// owns the parsed options and runs the subcommand.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
 /// Adds the subcommand `sweep` (cli_sweep.cpp). A lambda in it owns the parsed options and runs the command.
 void add_sweep(CLI::App& root, ParsedCommand& common);

@@ -31,7 +31,7 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options for processing several frames (--frames). Sets `speak`, so that the command prints
+    /// Returns the options for processing several frames (--frames). Before, sets their member `speak`: print
     /// a line after each frame, unless --quiet or --json is given.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
@@ -54,10 +54,11 @@ void add_view(CLI::App& root, CommandOptions& s);
 
 /// Adds --share. `what` names what is divided into shares, for example "rows of the picture".
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
-/// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. Adds
-/// --fps if the frames are instants of a scene (`in_time`).
+/// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. If
+/// `in_time` is true, the frames are instants of one scene file, and --fps is added.
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// Returns the description of the parsed command from which --dry-run predicts time and memory.
+/// Describes the parsed command for --dry-run, which predicts the command's time and memory from this
+/// description.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

@@ -12,9 +12,9 @@
 namespace postlens {
 namespace {
 
-// A mark states what the value of an option is, for example the name of an input file. Later functions use
-// the marks to find all files of a command line. CLI11's options have no field for a mark. So it is stored as
-// the name of a validator that accepts every value.
+// Names for the kinds of values that options have, for example "reads" for the name of an input file. By
+// these marks, later functions find all files of a command line. CLI11's options have no field for a mark, so
+// it is the name of a validator that accepts every value.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -30,7 +30,7 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// Returns the file name that the value `text` of an option states. The value may be the name itself, such as
+/// Returns the file name in `text`, the value of an option. The value may be the file name itself, such as
 /// `a.exr`, or contain it, such as `image:FILE`. Returns an empty text if there is no file name.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;

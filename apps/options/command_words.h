@@ -20,7 +20,8 @@ CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
 /// Returns the innermost subcommand, for example `psf` for `lens psf`, or `app` if there is none.
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
-/// Returns the files that the parsed subcommand reads and writes, as named by its marked options.
+/// Returns the files that the parsed subcommand reads and writes: those in options marked by `reads`,
+/// `writes` or a similar function.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
 /// Throws Error(wrong_arguments) if an option has an empty value, for example because a shell variable is not
 /// set. Without this check, an output file with an empty name would silently not be written.

@@ -40,7 +40,7 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// If several machines share one image (--share), limits `crop` to the rows of this machine. Also sets
+/// If several machines share one image (--share), sets `crop` to the rows that this machine makes. Also sets
 /// `shared`, by which `merge` recognises the result. Does nothing with --frames, where each machine makes
 /// whole images.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
@@ -72,7 +72,8 @@ ExposureOption of_first_frame(const ExposureOption& asked, const std::function<d
     return {.stops = stops()};
 }
 
-/// Returns the input file of the first frame. If `hashes` is set, # is a placeholder for the frame number.
+/// Returns the input file of the first frame: `name` with this frame's number. If `hashes` is set, a run of #
+/// is its placeholder.
 std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
     return FrameName(name, hashes).of(frames.frames->front());
 }
@@ -116,8 +117,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that has the members `exposure` and `made_by`. ShootOptions has this struct as its
-/// member `focus`. For other commands, the struct is `options` itself.
+/// Options of most commands have the members `exposure` and `made_by` themselves, but ShootOptions has them
+/// in its member `focus`. Returns the struct that has them.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {

@@ -80,19 +80,19 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Returns the fingerprint of a command (its options and inputs) as JSON text.
+/// Returns `made_by`, the options and inputs of a command, as JSON text.
 std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? "" : json_dump(made_by);
 }
 
-/// Returns the first difference between the settings stated in the file `output` and those of the command,
-/// `made_by`. The text is empty if they agree. A file without settings counts as different.
+/// Compares the settings that are stored in the file `output` with this command's settings, `made_by`.
+/// Returns the first difference, or an empty text if they agree. A file without settings counts as different.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // Invalid UTF-8, for example in a file name, was replaced when the file's settings were stored. text_of
-    // replaces it in the same way in `made_by`, so that equal settings compare as equal.
+    // When settings were stored in the file, invalid UTF-8 (for example in a file name) was replaced. text_of
+    // replaces it in `made_by` too, so that equal settings compare as equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 

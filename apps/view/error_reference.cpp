@@ -19,7 +19,7 @@ constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
 /// Returns the noise variance of each pixel, in sRGB values, as the mean of the channels. It is estimated
-/// from the difference between the two halves of the image.
+/// from the difference between two images of half the samples each.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

@@ -14,8 +14,8 @@ namespace postlens {
 /// - For a sample file, it is the brightest surface that the pinhole sees in the pixel.
 /// - For another program's image, it is the first surface at which the accumulated alpha reaches one half.
 struct ImageDepths {
-    /// Inverse of the focus distance, in 1/m, at which the pixel's surface is sharp. Negative if no lens can
-    /// focus on the surface.
+    /// Inverse of the focus distance that makes the pixel's surface sharp, in 1/m. It is negative if a mirror
+    /// or glass shows the surface behind infinity, where no lens can focus.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };

@@ -83,7 +83,7 @@ EncodedPicture depth_map(const std::vector<float>& inverse, int width, int heigh
     return out;
 }
 
-/// The number of images on the page, and the factor by which they are scaled down.
+/// The number of images on the exported web page, and the factor by which they are scaled down.
 struct Plan {
     int focus_distances = 9, f_numbers = 3, shrunk_by = 1;
     [[nodiscard]] int pictures() const { return focus_distances * f_numbers; }
@@ -107,8 +107,8 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // A negative inverse focus distance, on which no lens can focus, is replaced by 0 (focus at
-        // infinity).
+        // A mirror or glass can produce images behind infinity: their inverse focus distance is negative. No
+        // lens can focus on them, so infinity (0) is used.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         // The total size of all images, in bytes, is estimated from one image at the middle focus distance.
@@ -135,8 +135,8 @@ class Exporter {
     }
 
   private:
-    /// Returns a refocused image as JPEG bytes. For sample files, it is the mean of 64 images, each seen from
-    /// one lens point.
+    /// Returns a refocused image as JPEG bytes, scaled down by the factor `by`. From a sample file, it is
+    /// computed as the mean of 64 views (from single lens points).
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

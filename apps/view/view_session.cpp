@@ -69,8 +69,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // Of the rendering plan, the web page needs only the noise (mean squared error) of each tile, a
-        // square of the image.
+        // The JSON describes a plan of the computation for each tile (square of the image). The web page
+        // needs only the tile's noise, as mean squared error.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -154,8 +154,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Returns the method with this name, to find the causes of its errors. For `auto`, returns `hybrid`, the
-/// method by which `auto` makes its image. Empty if there is no such method.
+/// Returns the method whose errors are analysed if an image is made with the method `name`. This is `hybrid`
+/// for `auto`, which makes its image by `hybrid`. Empty if there is no such method.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -333,8 +333,8 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Reuses the last image if the parameters are equal. Otherwise, opens the file a second time, so that other
-/// requests need not wait.
+/// Returns the last image if the parameters are equal. Otherwise, makes the image from a newly opened file.
+/// The viewer's open file stays free for other requests.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples per pixel that are sent to the viewer's web page. A pixel that shows smoke may
-/// have thousands of samples.
+/// Largest number of a pixel's samples that are sent to the viewer's web page. A pixel that shows smoke may
+/// have thousands.
 constexpr std::size_t most_nodes = 64;
 
 /// Returns a distance in metres for JSON. Null means infinity.

@@ -1,4 +1,4 @@
-// The frame that the viewer shows: a sample file, or an image of another program.
+// The frame that the viewer shows: a sample file, or an image made by another program.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Answers the requests of the viewer's page about a frame. Several threads may call its functions at the
-/// same time.
+/// The sample file or image that the viewer shows. It answers the requests of the viewer's web page. Several
+/// threads may call it at the same time.
 class ViewedFrame {
   public:
     ViewedFrame() = default;

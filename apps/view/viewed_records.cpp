@@ -91,16 +91,16 @@ class ViewedRecords : public ViewedFrame {
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
         }
-        // The list `nodes` has the surfaces that the pixel shows, brightest first. A click on the pixel
-        // focuses the lens on the first surface.
+        // `nodes` lists the surfaces that the pixel shows, brightest first. If the user clicks on the pixel,
+        // the web page focuses the lens on `clicked`, the brightest one.
         out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
         return out;
     }
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // Up to this many pixels and records, two cores make an image in about 50 ms. So the preview keeps
-        // the full resolution.
+        // Files with at most this many pixels and records are not made coarser for the preview. Two cores
+        // then make an image in about 50 ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;

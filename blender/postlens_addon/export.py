@@ -34,8 +34,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # In Blender, a material belongs to the mesh or to the object. The object's slots list both kinds, so they
-            # are copied to the exported mesh.
+            # In Blender, a material belongs to the mesh or to the object. The object's slots list both kinds, so the
+            # exported mesh gets its materials from the slots.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -98,8 +98,8 @@ def export(scene, camera, path):
     content that postlens traces differently from Blender."""
     # After a script has opened a file, Blender's context has no current window. In this case, the first window is used.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # If a window shows another scene, its 3D views switch from their local cameras to the scene's camera. So the local
-    # cameras are restored afterwards.
+    # The export shows a copy of the scene in a window. Blender then replaces the local cameras of the window's 3D
+    # views by the scene's camera, so they are restored after the export.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

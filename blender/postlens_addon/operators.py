@@ -13,8 +13,8 @@ IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
 # Interval, in seconds, of the timer events at which Blender lets a running operator do the next part of its work.
 TICK_S = 0.05
-# Events that only move the view. Blender receives them during a run. Most others are blocked, because a run temporarily
-# changes the scene.
+# Events that only move the view in Blender's window. They are passed to Blender while an operator computes images.
+# Most others are blocked, because the operator temporarily changes the scene.
 LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
            "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
 # Height of Blender's status bar, in px, at a resolution scale of 1.
@@ -141,8 +141,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a window. An earlier window would receive the Esc key, with which the user
-            # stops this operator.
+            # Only the last image may open a window. While earlier images are computed, the user can stop this Blender
+            # operator with Esc, and a new window would receive that key.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True
@@ -203,7 +203,7 @@ class Pictures:
         finally:
             if not more:
                 self.finish()
-        # The timer event is passed on, because it may be meant for another operator.
+        # While work remains, Blender's timer event is passed on, because it may be meant for another operator.
         return {"PASS_THROUGH" if more else "FINISHED"}
 
     def finish(self):

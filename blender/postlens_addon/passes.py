@@ -38,8 +38,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # Disables (mutes) the animation of the properties, because rendering would evaluate it and overwrite the changed
-    # values.
+    # Mutes the animation of the changed properties. Otherwise, rendering would evaluate the animation and overwrite
+    # their new values.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -120,8 +120,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender states the camera's shift as a fraction of the image's larger side, which the margin may change. So
-        # the shift is converted to a fraction of the width.
+        # Blender states the camera's shift as a fraction of the image's larger side. The larger side may be another
+        # one after the margin is added. So the shift is converted to a fraction of the new width.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -137,7 +137,8 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # The output settings of the scene may state another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # If `use_single_layer` is True, Blender renders only the view layer that its window shows.
+        # Only the view layer `layer` is rendered. If `use_single_layer` were True, Blender would instead render the
+        # one that its window shows.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer

@@ -13,8 +13,8 @@
 namespace postlens {
 
 struct AtlasTrace {
-    /// If true, the sample file contains all surfaces that the image's lens and shutter need (best_trace). If
-    /// false, the trace has default settings, so hidden surfaces may be missing.
+    /// If true, the sample file is traced so that it contains all surfaces which the test image's lens and
+    /// shutter need. If false, it is traced with default settings, and hidden surfaces may be missing.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
     /// Focus distance for which to trace, m. If absent, the image's.
@@ -28,11 +28,11 @@ struct AtlasTrace {
 };
 
 struct AtlasMethod {
-    /// Name of the method.
-    /// - For a lens: pinhole, scatter, layers, lightfield, hybrid.
-    /// - For a shutter: convolve, lightfield, auto.
-    /// - For both: lightfield, hybrid, focus-after-shutter.
-    /// - Always: rays (distributed ray tracing).
+    /// Name of the method that makes the image.
+    /// - With a lens: pinhole, scatter, layers, lightfield, hybrid.
+    /// - With a shutter: convolve, lightfield, auto.
+    /// - With lens and shutter: lightfield, hybrid, focus-after-shutter.
+    /// - In any case: rays (distributed ray tracing).
     std::string name;
     std::optional<int> views, depths;
     int spp = 64;  ///< samples per pixel of the method rays
@@ -57,8 +57,8 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Fraction of the error, 0 to 1. The test fails if find_error_causes attributes less than this fraction
-    /// to `cause`, the cause of error that this test case expects.
+    /// The test case expects an error of the method, with the cause `cause`. The test fails if
+    /// find_error_causes attributes less than this fraction (0 to 1) of the error to this cause.
     double named_at_least = 0;
 };
 
@@ -66,15 +66,15 @@ struct AtlasCause {
     std::string word, meaning;
     std::string source;  ///< what the error comes from, in a few words
 };
-/// Returns the causes of error that atlas cases may name, in the order of docs/failures.md. The last, "none",
-/// is for cases without an expected error.
+/// Returns the causes of error that test cases (docs/failures.md) may expect, in the order of that page. The
+/// last, "none", is for test cases without an expected error.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...".
 [[nodiscard]] AtlasCase read_atlas_case(const std::filesystem::path& path);
 
-/// Returns the files (*.toml) of the atlas cases in a folder, sorted by name. Throws Error(invalid_input) if
-/// there are none.
+/// Returns the files *.toml in a folder, sorted by name. Each describes one test case. Throws
+/// Error(invalid_input) if there are none.
 [[nodiscard]] std::vector<std::filesystem::path> atlas_case_files(const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -22,12 +22,12 @@ struct AtlasRun {
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Returns the path, within the atlas folder, of the picture that shows a case's images side by side.
+/// Returns the path of a picture that shows the images of the test case `name` side by side. It is relative
+/// to the output folder of run_atlas.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all atlas cases in the folder `cases`. Writes the results (cases/NAME.json) and the pictures
-/// (atlas_strip(NAME)) into `folder`. Earlier results with the same atlas_key are kept, unless `restart` is
-/// set.
+/// Runs all test cases in the folder `cases`. Writes the results (cases/NAME.json) and the pictures
+/// (atlas_strip(NAME)) into `folder`. Keeps earlier results with the same atlas_key, unless `restart` is set.
 ///
 /// Throws the errors of read_atlas_case and run_atlas_case, and Error(interrupted).
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,

@@ -80,8 +80,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns the caption of an atlas case: scene, camera, the percentage of pixels that the blur changes, and
-/// the share of the error that is due to the expected cause.
+/// Returns the caption of a test case: scene, camera, percentage of pixels that the blur changes, and
+/// fraction of the method's error that is due to the expected cause.
 std::string caption(const AtlasEntry& e) {
     const double affected = 100 * e.result.affected_share;
     std::string out =

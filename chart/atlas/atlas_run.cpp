@@ -68,9 +68,8 @@ class CaseRun {
     }
 
   private:
-    // Traces the scene with the settings `trace`, and returns the sample file. If the last file has equal
-    // settings, it is returned instead. A test case often uses one file for the faulty method and for its
-    // remedy.
+    // Traces the scene with the settings `trace`, and returns the sample file. If the last sample file has
+    // equal settings, it is returned instead: a test case often compares two methods with the same file.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);

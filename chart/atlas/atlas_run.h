@@ -27,13 +27,13 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction of the method's error, 0 to 1, that has the cause predicted by the case. Absent if no error
-    /// is predicted.
+    /// The test case may expect an error of the method with a certain cause. This is the fraction of the
+    /// error, 0 to 1, that has this cause. Absent if no error is expected.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
 
-/// Returns a digest of everything that determines an atlas case's result: scene, view, methods and program
+/// Returns a digest of everything that determines the result of a test case: scene, view, methods and program
 /// version.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
@@ -44,8 +44,8 @@ struct AtlasResult {
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// Returns one line for each expectation of an atlas case that its result does not meet: error, energy,
-/// negative or nonfinite values, warnings, and cause.
+/// Returns one line for each expectation of a test case that its result does not meet: error, energy,
+/// negative or nonfinite values, warnings, and the error's expected cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);

@@ -1,5 +1,5 @@
-// Replaces the radiance in a sample file by the pixels of an image that is already blurred, so that a method
-// can blur it again.
+// Replaces the radiance in a sample file by the pixels of a motion-blurred image. A method then adds the blur
+// of a lens.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Writes the surfaces that the pinhole sees directly in `file` to `path`, with colours from `image`, which
-/// must have the frame's size. Throws Error.
+/// Writes a sample file `path` with the surfaces in `file` that the pinhole sees directly. Their colours come
+/// from `image`, which must have the same size as the frame in `file`. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens
