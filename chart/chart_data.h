@@ -48,8 +48,8 @@ struct ChartPoint {
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image if one command (a sweep) makes several images from a sample file. The first image's
-    /// time includes reading the file. `further_s` is for each further image. Empty if not timed.
+    /// Seconds per image if one command makes several images (a sweep): the first image (including reading
+    /// the file), and each further one. Empty if not timed.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -57,8 +57,8 @@ struct ChartPoint {
 
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
-    /// Returns the mean time per image, in s, if `pictures` images (may be infinite) are made from the sample
-    /// file `from`. The time of tracing this file is included, unless `from` is null.
+    /// Returns the mean time per image, in s, if `pictures` images (may be infinite) use the sample file
+    /// `from`. Includes the time of tracing this file, unless it is null.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 

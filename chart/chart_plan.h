@@ -24,8 +24,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number for `trace` and `render`, which is film distance / lens diameter. The f-number in
-    /// `lens` is focal length / lens diameter.
+    /// Returns the f-number for tracing a sample file, which is film distance / lens diameter. The f-number
+    /// in `lens` is focal length / lens diameter.
     [[nodiscard]] double traced_f_number() const;
 };
 

@@ -1,5 +1,5 @@
-// Plots the error of each method's images. One plot shows it against the time of one image; others show it
-// against the cost per image if several images share one sample file.
+// Plots the error of each method's images: against the time of one image, and against the cost per image if
+// several images share one sample file.
 #pragma once
 
 #include <string>

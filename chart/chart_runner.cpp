@@ -103,8 +103,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // Traces the sample files first, because all images are made from them, including the pinhole image.
-        // A comparison with the pinhole image shows which pixels the blur changes.
+        // Traces the scene into the sample files first, because all images are made from them. The pinhole
+        // image, for example, is needed to find the pixels that blur changes.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -144,8 +144,8 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // Several runs, each with a share of the points, may write to this folder. So a run must not remove
-        // images of another run.
+        // If several runs divide the measurements, they may all write to this folder. So a run must not
+        // remove images of another run.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -168,7 +168,7 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Throws if the chart would overwrite or remove one of its input files.
+    // Throws if the results of the command `chart` would overwrite or remove one of its input files.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -216,7 +216,8 @@ class Runner {
         save();
     }
 
-    // Returns the path of a sample file. The file is traced again if an earlier run removed it.
+    // Returns the path of a sample file. Traces the file again if an earlier run measured its tracing time
+    // but then removed it.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -308,8 +309,8 @@ class Runner {
         save();
     }
 
-    // Measures the time of the first and of a further image from one sample file. In a user's sweep, each
-    // image has another lens, so the f-numbers of the two timed images differ (by 1/6 stop).
+    // Measures the time of the first and of a further image from one sample file, as in a sweep. The
+    // f-numbers of the two images differ by 1/6 stop, because images of a sweep have different lenses too.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -1,5 +1,5 @@
-// Measures the time and the error of the methods in a chart. The times are measured several times, in rounds.
-// An interrupted run can be resumed.
+// Measures the time and the error of several methods that blur images. Times vary, so each is measured
+// several times, in rounds. An interrupted run can be resumed.
 #pragma once
 
 #include <filesystem>

@@ -12,13 +12,14 @@
 
 namespace postlens {
 
-/// Returns a text of everything that determines the measurements of a chart, to recognise earlier runs. The
-/// number of rounds and the choice of points are not included.
+/// Returns a text that identifies the measurements of the command `chart`: all that determines them. A run
+/// uses only earlier measurements with equal text. How often and for which methods it measures is not
+/// included.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the files with earlier measurements that a new run uses instead of measuring again. If the run
-/// measures all points, this includes the files *.I-of-N.json in `folder`, which several machines wrote.
-/// `chart`, the run's own file, comes last if it exists.
+/// Returns the files with earlier measurements, which a new run of the command `chart` does not repeat. If
+/// the run measures all methods, this includes the files *.I-of-N.json in `folder`, which several machines
+/// wrote. `chart`, the run's own file, comes last if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);

@@ -20,12 +20,12 @@ class PointPictures {
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Makes the image of a point of the chart from the sample file `path`. The method "rays" does not read
-    /// the file.
+    /// Makes the image with the method and settings in `p`. The method "rays" does not read the sample file
+    /// `path`. Sets `retraced` to the fraction of samples that were traced again.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// Makes the image with the method and settings in `p`, for the given lens, from the open sample file
-    /// `frame`.
+    /// Makes the image with `p`'s method and settings from the open sample file `frame`, for the given lens.
+    /// Sets `retraced` as `picture` does.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

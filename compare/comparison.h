@@ -25,7 +25,7 @@ struct CompareInput {
     std::optional<double> flip_white_luminance;  ///< see `flip_exposures`
 };
 
-/// Errors over a set of pixels. An error that is undefined there is NaN.
+/// Errors over a set of pixels. An error is NaN if it is undefined, for example if the set is empty.
 struct Figures {
     PixelErrors errors;
     double ssim = 0;      ///< mean over the pixels that have a value; see `ssim_map`
@@ -53,9 +53,9 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Set only if a second reference is given. `image_is_a_reference` is true if the image equals one of the
-    // two references. `references_are_equal` is true if the two references are equal, so that they show no
-    // noise.
+    // Set only if there are two reference images, which are compared to measure their noise. If the tested
+    // image equals one of them, `image_is_a_reference` is true. If the references are equal,
+    // `references_are_equal` is true, and the noise cannot be measured.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

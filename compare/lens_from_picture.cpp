@@ -12,35 +12,35 @@
 namespace postlens {
 namespace {
 
-/// The lens is fitted to the image twice, with a Huber loss: differences of logarithmic brightness above this
-/// limit count linearly. The second fit uses the smaller limit, which is the noise of an image with 256
-/// samples per pixel.
+/// Two fits compare images by logarithmic brightness. In each fit, differences above one of these limits
+/// count linearly, not quadratically (Huber loss). The second limit is the noise of an image with 256 samples
+/// per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Step of the inverse focus distance for numerical derivatives, as a fraction of the scene's range of
-/// inverse depths.
+/// Step by which the inverse focus distance is changed to compute derivatives numerically, as a fraction of
+/// the scene's range of inverse depths.
 constexpr double focus_step = 0.03;
 /// The standard errors of the fitted lens are estimated from blocks of pixels of this width and height, in
 /// px. Residuals of the fit may be correlated within a block, but are assumed to be independent between
 /// blocks.
 constexpr std::size_t block_px = 16;
-/// Smallest accepted contrast: RMS difference of the image's tones from their median. An image with less
-/// shows no blur.
+/// Smallest accepted contrast of an image, the RMS difference between its tones and their median. An almost
+/// uniform image does not show how much it is blurred.
 constexpr double least_spread = 1e-3;
-/// The fit is rejected if the error of the best lens's image exceeds this fraction of the given image's
-/// contrast. The fraction is usually 0.1, and almost 1 if the given image shows the scene from another
-/// viewpoint.
+/// The fit is rejected if the best lens's error, divided by the given image's contrast, exceeds this value.
+/// Usually this ratio is about 0.1. It is almost 1 if the given image shows the scene from another viewpoint.
 constexpr double most_left = 0.5;
 /// The given image is rejected as unblurred if the best lens reproduces it hardly better than the sharp
 /// pinhole image does. The ratio of the two errors may be at most this value.
 constexpr double least_gain = 0.8;
-/// Minimum range of inverse depths, as a fraction of the largest. With a smaller range, all objects have
-/// practically the same depth.
+/// The fit is rejected if the scene's range of inverse depths is below this fraction of the largest inverse
+/// depth. All objects then have practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard error of the fitted aperture diameter, as a fraction of the diameter. The
-/// inverse focus distance may have a standard error of the same fraction of the scene's range of inverse
-/// depths.
+/// The fitted lens is rejected if the aperture diameter's standard error exceeds this fraction of the
+/// diameter. It is also rejected if the inverse focus distance's standard error exceeds this fraction of the
+/// scene's range of inverse depths.
 constexpr double most_error = 0.2;
-/// Further minima are reported if their error is below this factor times the best error.
+/// The fit may find several lenses. Those with an error below this factor times the smallest error are
+/// reported as well.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -153,7 +153,7 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Computes the standard errors of the lens at the minimum. Throws if one exceeds `most_error`.
+/// Computes the standard errors of the fitted lens `out.best`. Throws if one exceeds the limit `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -183,8 +183,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // If the determinant is small, aperture and focus distance change the image alike, so the image does not
-    // determine them separately.
+    // If the determinant of the fit's normal matrix is small, aperture and focus distance change the image
+    // alike. So the image does not determine them separately.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -204,16 +204,16 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Returns true if two lenses belong to the same minimum of the image error. The coarse search can split a
-/// minimum.
+/// Returns true if two lenses are so similar that both were found because of one minimum of the image error.
+/// The coarse search can split such a minimum.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Selects at most `most` of `matches` as starting points for the fit. Omits lenses similar to a better one.
-/// Then computes each lens's image accurately, sorts by its error, and omits lenses with more than 1.5 times
-/// the smallest error.
+/// Selects at most `most` of the lenses in `matches` as starting points for the fit. Omits a lens if a
+/// similar one has a smaller error. Then computes the error of each lens's accurate image, sorts by it, and
+/// omits lenses above 1.5 times the smallest.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -285,8 +285,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each lens was fitted to a different set of pixels. To make the errors comparable, each is divided by
-    // `spread`, the contrast of the image in these pixels.
+    // The errors of the fitted lenses come from different sets of pixels. To be comparable, each is divided
+    // by `spread`, the given image's contrast in the same pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

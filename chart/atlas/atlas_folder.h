@@ -22,8 +22,8 @@ struct AtlasRun {
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Returns the path of a picture that shows the images of the test case `name` side by side. It is relative
-/// to the output folder of run_atlas.
+/// Returns the path of a picture that shows the images of the test case `name` side by side, relative to
+/// run_atlas's output folder.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
 /// Runs all test cases in the folder `cases`. Writes the results (cases/NAME.json) and the pictures

@@ -12,9 +12,9 @@ namespace postlens {
 /// error.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// Returns the images and results of all test cases as one HTML page with embedded images. Its contents are
-/// those of atlas_markdown. `folder` is the output folder of run_atlas. Throws Error(invalid_input) if an
-/// image cannot be read.
+/// Returns the images and results of all test cases as one HTML page with embedded images, otherwise like
+/// atlas_markdown. `folder` is the output folder of run_atlas. Throws Error(invalid_input) if an image cannot
+/// be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

@@ -20,9 +20,8 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method` for the lens, shutter and camera in `view`. Its input is the sample file
-/// `file`, except if the method is "rays", which traces `scene`. Temporary files are written beside `file`.
-/// Throws Error.
+/// Makes the image of `method` for the lens, shutter and camera in `view`. Reads the sample file `file`,
+/// unless the method is "rays". Temporary files are written beside `file`. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

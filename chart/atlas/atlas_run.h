@@ -27,8 +27,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// The test case may expect an error of the method with a certain cause. This is the fraction of the
-    /// error, 0 to 1, that has this cause. Absent if no error is expected.
+    /// Fraction, 0 to 1, of the method's error that has the cause which the test case expects. Absent if the
+    /// test case expects no error.
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };

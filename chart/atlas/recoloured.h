@@ -10,7 +10,7 @@
 namespace postlens {
 
 /// Writes a sample file `path` with the surfaces in `file` that the pinhole sees directly. Their colours come
-/// from `image`, which must have the same size as the frame in `file`. Throws Error.
+/// from `image`, which must be of equal size. Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

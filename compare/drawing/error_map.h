@@ -5,8 +5,8 @@
 
 namespace postlens {
 
-/// Limits of the map's logarithmic scale, in 8-bit steps (1/255 in sRGB). They are fixed, so that maps can be
-/// compared.
+/// The error map shows errors as colours, on a logarithmic scale with these limits in 8-bit steps (1/255 in
+/// sRGB). The limits are fixed, so that maps can be compared.
 inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 
 /// Returns the size of the `error_map` of images of size `pictures`. The legend makes it higher and, for

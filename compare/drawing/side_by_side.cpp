@@ -12,7 +12,8 @@ namespace {
 
 constexpr int between_px = 8;
 
-// Positions and sizes in px. All panels are as wide as the error map.
+// Positions and sizes, in px. The image, the reference and their error map (the panels) are drawn side by
+// side, equally wide.
 struct Layout {
     double scale = 0;
     int panel, gap, line, width, height, text_top;

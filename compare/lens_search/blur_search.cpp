@@ -17,11 +17,12 @@ constexpr double narrowest_coc_px = 0.7;
 /// Tested blur diameters increase in steps of 0.5 px up to 8 px. Above 8 px, each is 1/16 larger than the one
 /// before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels on which the search compares lenses. Apertures are tested in steps of about 10 %,
-/// so more precision is not needed.
+/// The search compares images of many lenses with the given image, on at most this many pixels. More would
+/// not help, because apertures are tested only in steps of about 10 %.
 constexpr std::size_t most_pixels = 12000;
-/// The search uses a Huber loss: image differences above this limit count linearly, not quadratically. The
-/// rough blur model itself causes differences of about this size beside depth edges.
+/// To find a lens, its image is compared with the given image. Differences above this limit count linearly,
+/// not quadratically (Huber loss): beside depth edges, the rough blur model itself causes differences of this
+/// size.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image: means of `factor` x `factor` pixels.
@@ -84,8 +85,9 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared differences between blurred and given image, for every compared pixel and blur diameter.
-/// Testing a lens takes one look-up per pixel.
+/// For every compared pixel and blur diameter, a table of the squared difference between blurred and given
+/// image. A lens and a pixel's depth determine the blur diameter, so testing a lens takes one look-up per
+/// pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -150,8 +152,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
     const double nearest = depths.nearest(), farthest = depths.farthest();
     const double span = std::max(nearest - farthest, 0.1 * nearest);
     const double gain_px = header.film_distance_mm / header.pixel_pitch_mm / factor;
-    // The search tests inverse focus distances in the scene's range of inverse depths. At each end, the range
-    // is extended by half its length.
+    // The tested focus distances lie in the scene's range of depths, and half its length beyond each end.
+    // Both are inverse distances here.
     const double first_focus = std::max(0.0, farthest - span / 2), last_focus = nearest + span / 2;
     // With the nearest depth in focus, the smallest tested aperture blurs the farthest depth by 0.7 px, and
     // the largest by a quarter of the image width.
@@ -176,8 +178,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // Of neighbouring lenses in the search grid with equal errors, only the first counts as a
-                    // minimum.
+                    // A lens of the search grid is a minimum if no neighbour has a smaller error. Of
+                    // neighbours with equal errors, only the first in grid order counts.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Blur kernels are computed for this many depths. With fewer, the computed image would not change smoothly
-/// when the lens fit varies the aperture or the focus distance.
+/// Blur kernels are computed for this many depths. With fewer, a slight change of aperture or focus distance
+/// would change the computed image in jumps, which disturb the fit.
 constexpr int levels = 256;
 /// Fraction by which the aperture is increased and decreased for numerical derivatives of the image.
 constexpr double aperture_step = 0.03;
@@ -66,8 +66,8 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // At a fixed field of view, blur depends only on the aperture diameter F / n. So any focal length F gives
-    // the same image, here 1000 mm.
+    // At a fixed field of view, blur depends only on the aperture diameter, focal length / f-number. So any
+    // focal length gives the same image, here 1000 mm.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

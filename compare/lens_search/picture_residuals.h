@@ -19,8 +19,8 @@ namespace postlens {
 /// linearly (Huber loss).
 class PictureResiduals {
   public:
-    /// Compares `picture` with images made from `file`, to which it keeps a reference. `expected_pictures`,
-    /// the number of images to compute, is for the progress display.
+    /// Compares `picture` with images made from `file`, which must outlive this object. `expected_pictures`
+    /// is the number of images to be computed, for the progress display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
@@ -30,14 +30,16 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Writes the residuals of the image that `focus` makes with the lens `place`.
+    /// Makes the image for the aperture and focus distance in `place`. Writes its residuals to `out`, one per
+    /// selected pixel.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes the derivatives of these residuals with respect to the logarithm of the aperture and to the
-    /// inverse focus distance. For numerical derivatives, the latter is changed by plus and minus
-    /// `focus_step_per_m`.
+    /// Writes the derivatives of each pixel's residual with respect to the logarithm of the aperture and to
+    /// the inverse focus distance. They are computed numerically: the inverse focus distance is changed by
+    /// plus and minus `focus_step_per_m`.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// `of` writes the residuals of `image`. `of_even` writes the residuals of an image that has the given
-    /// image's median brightness everywhere, which measure the given image's contrast.
+    /// Both write the residuals between an image and the given picture. For `of`, this image is `image`. For
+    /// `of_even`, it is uniform, with the picture's median brightness; these residuals measure the picture's
+    /// contrast.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -55,7 +57,8 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of the computed images of lenses, newest last. The solver often evaluates the same lens again.
+    /// Cache of the last computed images, each with the aperture and focus distance that made it. The newest
+    /// is last. The fit often needs an image again.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -20,7 +20,7 @@ std::size_t index_of(const RecordedDepths& d, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(x);
 }
 
-/// Adds a record to its pixel, or to both pixels if it lies on their border.
+/// Adds a record to its pixel. A record on the border of two pixels is added to both.
 void add(RecordedDepths& out, const Record& r, int x, int y) {
     const float inverse = 1 / r.z;
     for (int py = y - (r.y == static_cast<float>(y) ? 1 : 0); py <= y; ++py) {

@@ -1,4 +1,5 @@
-// The range of depths in each pixel of a sample file. It tells where the simulated blur is reliable.
+// The range of depths in each pixel of a sample file. Where it is narrow, a simple simulation of blur is
+// reliable.
 #pragma once
 
 #include <vector>
@@ -23,8 +24,8 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns one flag per pixel: 1 if the simulated blur is reliable there. This is so if the pixel receives no
-/// light from outside the recorded area, or from a pixel on a depth edge.
+/// Returns one flag per pixel: 1 if the simulated blur is reliable there. It is not if light from outside the
+/// recorded area, or from a pixel on a depth edge, is blurred into the pixel.
 ///
 /// A pixel is on a depth edge if the circles of confusion of its nearest and farthest depth differ by 1 px or
 /// more.

@@ -31,8 +31,8 @@ namespace postlens {
     const float log2 =
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
-    // Computes exp2(p) from p's integer part and a Taylor series of its fraction. After adding 1.5 * 2^23, a
-    // float has no fraction bits, so its low bits are p rounded to an integer.
+    // Computes exp2(p) from p's integer part and a Taylor series of its fraction. A float near 1.5 * 2^23 has
+    // no fraction bits. So adding this number rounds p to an integer, which the sum's low bits contain.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

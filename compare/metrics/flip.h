@@ -24,9 +24,9 @@ struct FlipExposures {
 };
 
 /// Returns the exposures at which HDR-FLIP compares images with `reference`, about one per stop
-/// [andersson2021, sec. 3]. At the exposure `start`, the tone curve shows the reference's greatest luminance
-/// as 0.85. At `stop`, it shows the median luminance as 0.85.
-/// - `white_luminance`: if given, is used as the greatest luminance, and 0.18 as the median luminance
+/// [andersson2021, sec. 3]. The tone curve shows the reference's greatest luminance as 0.85 at the exposure
+/// `start`. It shows the median luminance as 0.85 at `stop`.
+/// - `white_luminance`: if given, replaces the greatest luminance, and 0.18 replaces the median
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 

@@ -12,9 +12,9 @@ namespace postlens {
 /// along columns, with 2 radius + 1 taps.
 struct FlipFilters {
     int radius = 0;
-    /// Contrast sensitivity filters of the three opponent colour channels. The blue-yellow filter is the
-    /// weighted sum of two Gaussians. Their column taps are multiplied by the weights; all other taps sum to
-    /// 1.
+    /// Contrast sensitivity filters of the three opponent colour channels. The blue-yellow filter is a
+    /// weighted sum of two Gaussians. The taps of each filter sum to 1, except blue_yellow_1_column and
+    /// blue_yellow_2_column, which contain the weights.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// Filters that detect edges and points: a Gaussian and its two derivatives. A derivative's positive taps
@@ -44,7 +44,7 @@ class FlipDisplay {
     float n2_ = 0, n1_ = 1, d2_ = 0, d1_ = 0, d0_ = 1;
 };
 
-/// Returns the argument at which the tone curve has the value `level`, in (0, 1).
+/// Returns the x at which the tone curve of HDR-FLIP has the value `level`, which must be in (0, 1).
 [[nodiscard]] double flip_tone_curve_inverse(double level);
 
 /// Sets `map` to each pixel's error, the largest over all `displays` (exposures). There must be at least one.

@@ -14,7 +14,8 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over a block of pixels. A and B are the image's differences from the first and the second reference.
+// Sums over a block of pixels. A is the image's value minus the first reference's value, in one channel of a
+// pixel. B is the same for the second reference.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -32,10 +33,10 @@ struct BlockSums {
     std::size_t pixels = 0;
 };
 
-// Estimates the bias b that sRGB encoding adds to the mean of noisy values, because the encoding is
-// nonlinear. r1 and r2 are two noisy values of a pixel; f1 and f2 are these values encoded. The mean of f1
-// and f2 contains the bias b. The encoded mean of r1 and r2 contains only b / 2, because averaging halves the
-// variance.
+// Because sRGB encoding is nonlinear, it adds a bias b to the mean of noisy values. b is proportional to
+// their variance. For two noisy values r1 and r2 of a pixel, the mean of their encodings f1 and f2 has the
+// bias b. The encoding of their mean has only b / 2, because averaging halves the variance. So b is twice the
+// difference.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));

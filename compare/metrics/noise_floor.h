@@ -14,33 +14,35 @@ namespace postlens {
 struct NoisyError {
     double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Upper bound of the estimate's bias, as an RMS error. The bias arises because sRGB encoding shifts the
-    /// mean of noisy values.
+    /// Upper bound of the bias of `mse`, as an RMS error. sRGB encoding is nonlinear, so it shifts the mean
+    /// of noisy values, which causes this bias.
     double bias_rms = 0;
-    /// Ends of the confidence interval of the image's RMS error: two standard errors below and above the
-    /// estimate, widened by `bias_rms`.
+    /// Ends of the confidence interval of the image's RMS error. They are two standard errors below and above
+    /// the estimate, and further apart by the estimate's possible bias.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
-    /// Returns true if the confidence interval includes zero. Then `greatest_rms` is only an upper bound of
-    /// the error.
+    /// Returns true if the confidence interval of the image's RMS error includes zero. Its upper end,
+    /// `greatest_rms`, is then only an upper bound of the error.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 
 struct NoiseFloor {
     double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
-    /// Noise of one reference in scene-linear values: its RMSE and relMSE against an ideal reference without
-    /// noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of two noisy references.
+    /// Noise of a single reference in scene-linear values: RMSE and relMSE that it would have against an
+    /// ideal reference without noise. relMSE divides each squared error by M^2 + 0.01, where M is the mean of
+    /// the two noisy references.
     double reference_rmse = 0, reference_relmse = 0;
     NoisyError encoded;   ///< error of the image apart from the noise, in sRGB values
     NoisyError linear;    ///< the same in scene-linear values
     NoisyError relative;  ///< the same in scene-linear values, divided by M^2 + 0.01
-    /// Mean squared error against the first reference minus that against the second, divided by this
-    /// difference's standard error. By chance alone, it is standard normal.
+    /// The image's mean squared error against the first reference minus that against the second, divided by
+    /// the difference's standard error. It is standard normal if neither reference is closer to the image
+    /// except by chance.
     double preference = 0;
 };
 
-/// Estimates the errors over the pixels that `mask` counts (docs/compare.md). All images must have the same
-/// size.
+/// Estimates the image's errors over the pixels that `mask` counts, by comparing it with two noisy references
+/// (docs/compare.md). All images must have the same size.
 ///
 /// Standard errors come from sums over blocks of 16 x 16 px or less. They assume Gaussian errors that are
 /// independent between blocks.

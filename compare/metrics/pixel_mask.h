@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// One entry per pixel, row by row: 1 if it counts, 0 if not.
+/// One entry per pixel, row by row: 1 if the pixel is used to compute errors, 0 if not.
 using PixelMask = std::vector<std::uint8_t>;
 
 /// Returns a mask of the pixels whose three channels are finite.

@@ -11,8 +11,8 @@ namespace postlens {
 /// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size, per pixel, from the Rec.709
 /// luma.
 ///
-/// The outer 5 px are NaN, because the window crosses the border there. Where `usable` is 0, both images are
-/// black.
+/// The outer 5 px are NaN, because the window crosses the border there. Pixels with `usable` 0 are replaced
+/// by black in both images.
 [[nodiscard]] std::vector<float> ssim_map(const Image& a_encoded, const Image& b_encoded,
                                           const PixelMask& usable);
 
